@@ -1,4 +1,4 @@
-//! Speed of compiled formulas: lanes per second of the rate hook, beside the same law written in Rust.
+//! Speed of compiled formulas: lanes per second of the rate hook, compared with the same law written in Rust.
 //!
 //! `cargo run --release -p robofin-effects --example lanes`
 
@@ -9,7 +9,7 @@ use effects::{CompiledModel, Hook, Lanes, Library, Model, Process, RowCounts, St
 const LANES: usize = 512;
 const CALLS: usize = 20_000;
 
-/// Lanes per second of a call over [`LANES`] lanes, the best of five.
+/// Lanes per second of a call over [`LANES`] lanes, best of five runs.
 fn speed(mut call: impl FnMut(&mut [f64])) -> f64 {
     let mut out = vec![0.0; LANES];
     let mut best = 0.0f64;

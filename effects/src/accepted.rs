@@ -1,33 +1,33 @@
-//! Which values of a parameter a model may state.
+//! Values of a parameter that a model may state.
 
 use super::error::Problem;
 use super::unit::Unit;
 
-/// Relative rounding of two conversions of units, some units in the last place.
+/// Relative rounding error of two unit conversions, a few units in the last place.
 const ROUNDING: f64 = 1e-14;
 
 /// Values that a parameter may have [SI].
 #[derive(Clone, Copy, Debug)]
 pub struct Accepted<'a> {
-    /// Least and greatest plausible value.
+    /// Least and greatest plausible value [SI].
     pub(super) range: [f64; 2],
-    /// Value at which the effect vanishes; it may lie beyond the range.
+    /// Null value, at which the effect vanishes; it may lie outside the range.
     pub(super) null: Option<f64>,
-    /// Typical value; it may lie beyond the range where it is the null value.
+    /// Typical value; it may lie outside the range if it is the null value.
     pub(super) default: f64,
-    /// Unit for people.
+    /// Unit in files and tables.
     pub(super) unit: Unit,
     /// The unit as written.
     pub(super) unit_text: &'a str,
 }
 
 impl Accepted<'_> {
-    /// Refuses a value [SI] that is neither within the range, nor the null value, nor the typical one.
+    /// Rejects a value [SI] that is neither within the range, nor the null value, nor the typical value.
     ///
     /// # Errors
     /// The value and the range, in the parameter's unit.
     pub fn check(&self, value: f64) -> Result<(), Problem> {
-        // A value in another unit than the range may differ by the rounding of both conversions.
+        // A value in a different unit from the range may differ by the rounding of both conversions.
         let [low, high] = self.range;
         let within = (low - ROUNDING * low.abs()..=high + ROUNDING * high.abs()).contains(&value);
         if within || Some(value) == self.null || value == self.default {

@@ -1,4 +1,4 @@
-//! One place at one step: the part per step is done once, then lanes run.
+//! A hook evaluated at one step: the per-step part runs once, then the lanes run.
 
 use super::compiled::CompiledModel;
 use super::definition::{Formula, Holder};
@@ -12,7 +12,7 @@ use super::scope::Scope;
 use super::states::States;
 use super::variable::{Hook, Variable};
 
-/// A place of a model prepared for a step. It can be shared among threads and run over any number of lanes.
+/// A hook of a model prepared for a step. It can be shared among threads and run over any number of lanes.
 pub struct Call<'a> {
     model: &'a CompiledModel,
     place: Hook,
@@ -39,15 +39,15 @@ impl<'a> Call<'a> {
         self.model.program(self.place)
     }
 
-    /// Runs the hook over lanes into `out`, one value per lane [SI].
+    /// Evaluates the hook over lanes into `out`, one value per lane [SI].
     ///
     /// # Errors
-    /// A result that is not finite, with the formula at fault; a variable that is missing.
+    /// A result that is not finite, with the formula that gave it; a missing variable.
     pub fn run(&self, lanes: &Lanes, out: &mut [f64]) -> Result<(), RunError> {
         self.run_all(lanes, &mut [out])
     }
 
-    /// As [`Call::run`] for a place with several results.
+    /// Evaluates a hook with several results, as [`Call::run`] does for one.
     pub(super) fn run_all(&self, lanes: &Lanes, outputs: &mut [&mut [f64]]) -> Result<(), RunError> {
         let program = self.program();
         for output in outputs.iter() {
@@ -92,7 +92,7 @@ impl<'a> Call<'a> {
         Err(RunError::Shape { variable: variable.to_owned(), found, expected, place: self.place })
     }
 
-    /// A result of a place that has one value per step.
+    /// Returns a result of a hook that has one value per step.
     pub(super) fn scalar(&self, output: usize) -> Result<f64, RunError> {
         let Operand::Scalar(index) = self.program().outputs[output] else {
             unreachable!("{} has one value per step", self.place)
@@ -107,7 +107,7 @@ impl<'a> Call<'a> {
         self.diagnose(lanes, lane)
     }
 
-    /// Interprets formula by formula until one gives no finite number.
+    /// Interprets the formulas one by one until one gives a value that is not finite, and reports it.
     fn diagnose(&self, lanes: &Lanes, lane: usize) -> RunError {
         let mut variables = self.step.all().to_vec();
         for (variable, values) in Variable::ALL.iter().zip(&lanes.values) {

@@ -1,5 +1,5 @@
-//! What every file must satisfy before it may be used: known names, matching dimensions, no circles, and an effect that
-//! vanishes at its null value.
+//! Checks that every file must pass before use: known names, matching dimensions, no circular definitions, and an
+//! effect that vanishes at its null value.
 
 use super::definition::{Effect, Formula, Kind, Motion, Process, State};
 use super::dimension::Dimension;
@@ -11,10 +11,10 @@ use super::toml_text::Source;
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
 
-/// Checks an effect against the base laws whose parameters it may use.
+/// Checks an effect with the base laws whose parameters it may use.
 ///
 /// # Errors
-/// The first fault, with its place in the file.
+/// The first fault, with its position in the file.
 pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     check_names(effect, laws)?;
     check_formulas(effect, &|place| Scope::new(effect, place, laws))?;
@@ -28,7 +28,7 @@ pub fn check(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     }
 }
 
-/// Checks an effect against the laws of a model.
+/// Checks an effect with the laws of a model.
 ///
 /// # Errors
 /// A parameter of a base law that the model's laws do not have.
@@ -36,7 +36,7 @@ pub fn check_in_model(effect: &Effect, laws: &[Effect], process: Process) -> Res
     check_formulas(effect, &|place| Scope::new(effect, place, laws).within(process))
 }
 
-/// Known names and matching dimensions, at every place where a process of the scope gets.
+/// Checks names and dimensions at every hook that a process of the scope reaches.
 fn check_formulas<'a>(effect: &'a Effect, scope: &dyn Fn(Hook) -> Scope<'a>) -> Result<(), EffectError> {
     for change in effect.changes.iter().filter(|change| scope(change.hook).is_reached()) {
         let of = format!("the value `{}`", change.value.name());
@@ -51,10 +51,10 @@ fn check_formulas<'a>(effect: &'a Effect, scope: &dyn Fn(Hook) -> Scope<'a>) -> 
     Ok(())
 }
 
-/// Gives each state without a unit the SI unit that follows from its motion.
+/// Gives each state without a unit the SI unit implied by its evolution formula.
 ///
 /// # Errors
-/// A motion that needs the state itself, or whose dimension cannot be found.
+/// A formula that needs the state itself, or whose dimension cannot be determined.
 pub fn infer_units(effect: &mut Effect, laws: &[Effect]) -> Result<(), EffectError> {
     let open = |state: &State| state.unit_text.is_empty();
     while let Some(index) = effect.states.iter().position(open) {
@@ -78,7 +78,7 @@ fn source(effect: &Effect) -> Source<'_> {
     Source { file: &effect.file, text: &effect.text }
 }
 
-/// No name may stand for two things.
+/// Checks that no name has two meanings.
 fn check_names(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     let parameters = effect.parameters.iter().map(|parameter| &parameter.name);
     let definitions = effect.definitions.iter().map(|item| &item.name);
@@ -102,7 +102,7 @@ fn check_names(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     Ok(())
 }
 
-/// Definitions and lags may use each other, but not in a circle.
+/// Checks that definitions and lags do not depend on each other in a circle.
 ///
 /// # Errors
 /// The first circle, with its names.
@@ -142,7 +142,7 @@ fn follow<'a>(
     Ok(())
 }
 
-/// A lag reads as its target at null, so the target must make sense wherever the lag is read.
+/// Checks lags. At null a lag equals its target, so the target must be valid at every hook that reads the lag.
 fn check_lags(scope: &Scope, formula: &Formula) -> Result<(), EffectError> {
     for (name, _) in formula.tree.names() {
         let Some(Symbol::State(index)) = scope.find(name) else { continue };
@@ -154,7 +154,7 @@ fn check_lags(scope: &Scope, formula: &Formula) -> Result<(), EffectError> {
     Ok(())
 }
 
-/// A law gives a value that nothing gave before.
+/// Checks that no formula of a law reads the value that it defines.
 fn check_law(law: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     for change in &law.changes {
         let scope = Scope::new(law, change.hook, laws);

@@ -1,4 +1,4 @@
-//! A model ready to run: programs of every hook and state, and the values of its parameters.
+//! A model ready to run: the programs of all hooks and states, and the parameter values.
 
 use std::sync::Arc;
 
@@ -16,45 +16,45 @@ use super::program::{MOST_INPUTS, MOST_REGISTERS, Program};
 use super::states::States;
 use super::variable::{Hook, Variable};
 
-/// A state of the workpiece cells, whose values the caller keeps.
+/// A state of the workpiece cells; the caller stores its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellState {
     /// `effect.state`.
     pub name: String,
-    /// Value of a cell that nothing happened to [SI].
+    /// Initial value of a cell [SI].
     pub initial: f64,
-    /// When all cells return to it.
+    /// Event at which all cells return to it.
     pub reset: Reset,
 }
 
-/// What a model makes of the tool's pose.
+/// Change of the tool's pose by a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseChange {
     /// Shift in the tool's frame [m].
     pub offset: [f64; 3],
-    /// Turn about the tool's x [rad].
+    /// Rotation about the tool's x [rad].
     pub roll: f64,
-    /// Turn about the tool's y [rad].
+    /// Rotation about the tool's y [rad].
     pub pitch: f64,
 }
 
-/// All that does not depend on parameter values.
+/// Everything that does not depend on parameter values.
 pub(super) struct Structure {
     pub(super) process: Process,
-    /// The laws, as scopes need them.
+    /// The laws, as scopes use them.
     pub(super) laws: Vec<Effect>,
-    /// The first parts, one per law.
+    /// The laws as parts, in the same order.
     pub(super) law_parts: Vec<Part>,
-    /// The effects in the order in which they act.
+    /// The effects as parts, in the order in which they act.
     pub(super) effect_parts: Vec<Part>,
-    /// By [`Hook`].
+    /// One program per [`Hook`].
     programs: Vec<Program>,
     needs: Vec<Vec<Variable>>,
     slots: Vec<ParameterSlot>,
     pub(super) states: StateTable,
 }
 
-/// The states of a model by holder: part (laws first) and number within the part.
+/// The states of a model by holder: part (laws first) and index within the part.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StateTable {
     pub(super) tool: Vec<(usize, usize)>,
@@ -73,14 +73,14 @@ impl StateTable {
     }
 }
 
-/// A model compiled to programs, with the values of its parameters. Cloning copies the values only.
+/// A model compiled to programs, with its parameter values. Cloning copies only the values.
 #[derive(Clone)]
 pub struct CompiledModel {
     pub(super) structure: Arc<Structure>,
     pub(super) values: Vec<f64>,
 }
 
-/// Every place that has a program.
+/// All hooks that have a program.
 const PLACES: [Hook; 12] = [
     Hook::Pose,
     Hook::Shape,
@@ -97,11 +97,11 @@ const PLACES: [Hook; 12] = [
 ];
 
 impl CompiledModel {
-    /// Compiles a model for a campaign of so many passes and scans. Effects act in the library's order, whatever the
-    /// order in the model.
+    /// Compiles a model for a campaign with the given numbers of passes and scans. Effects act in the library's order,
+    /// whatever their order in the model.
     ///
     /// # Errors
-    /// A law or effect that the library does not have, parameters that do not exist, a formula too large.
+    /// An unknown law or effect, an unknown parameter, or a formula that is too large.
     pub fn new(model: &Model, library: &Library, rows: RowCounts) -> Result<Self, ModelError> {
         let laws: Vec<Effect> = model.resolve_laws(library)?.into_iter().cloned().collect();
         let effects = model.resolve_effects(library)?;
@@ -153,7 +153,7 @@ impl CompiledModel {
         self.structure.states.of(Holder::Tool).iter().map(states)
     }
 
-    /// Whether an effect acts at a hook. Where none does, only the base law is at work, or nothing.
+    /// True if an effect acts at a hook. Otherwise only the base law, or nothing, acts there.
     pub fn has(&self, hook: Hook) -> bool {
         self.structure.process.has(hook)
             && self
@@ -174,40 +174,40 @@ impl CompiledModel {
         effect_parts.iter().map(|part| &part.effect).filter(changes).filter(move |effect| !is_null(effect))
     }
 
-    /// Whether pressure and rate may be anything but straight lines in the depth: an effect that is not at its null value acts on them, or a
-    /// law that is not the library's.
+    /// True if pressure or rate may be nonlinear in the depth: an effect acts on one of them and is not at its null
+    /// value, or a law is not from the library.
     pub fn may_bend(&self) -> bool {
         let is_own = |part: &Part| !LAWS.iter().any(|(file, _)| file.strip_suffix(".toml") == Some(&part.effect.name));
         self.structure.law_parts.iter().any(is_own)
             || [Hook::Pressure, Hook::Rate].into_iter().any(|hook| self.acting(hook).next().is_some())
     }
 
-    /// The variables that formulas read at a place: what the simulator must supply.
+    /// Variables that formulas read at a hook, which the simulator must supply.
     pub fn needs(&self, place: Hook) -> &[Variable] {
         &self.structure.needs[place as usize]
     }
 
-    /// Whether anything has a state per tool cell.
+    /// True if any state is kept per tool cell.
     pub fn needs_tool_cells(&self) -> bool {
         !self.structure.states.tool_cell.is_empty()
     }
 
-    /// Whether formulas at a place read the tool cell over each lane.
+    /// True if formulas at a hook read the tool cell over each lane.
     pub fn reads_tool_cells(&self, place: Hook) -> bool {
         self.program(place).reads_tool_cell_over()
     }
 
-    /// The states of workpiece cells, whose values the caller keeps.
+    /// States of workpiece cells, whose values the caller stores.
     pub fn cell_states(&self) -> &[CellState] {
         &self.structure.states.workpiece_cell
     }
 
-    /// Every parameter value, in a fixed order: laws first, then effects as they act.
+    /// Parameter slots in a fixed order: laws first, then effects in the order in which they act.
     pub fn parameters(&self) -> &[ParameterSlot] {
         &self.structure.slots
     }
 
-    /// The place of `effect.parameter`, or `effect.parameter[2]` for the second pass or scan, among the parameters.
+    /// Index among the parameters of `effect.parameter`, or of `effect.parameter[2]` for the second pass or scan.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.structure.slots.iter().position(|slot| slot.name() == name)
     }
@@ -222,12 +222,12 @@ impl CompiledModel {
         &self.values
     }
 
-    /// Changes a parameter's value [SI]; nothing is compiled again.
+    /// Changes a parameter's value [SI]; nothing is recompiled.
     pub fn set(&mut self, index: usize, value: f64) {
         self.values[index] = value;
     }
 
-    /// A base law's parameter [SI], such as `stiffness`.
+    /// Value of a base law's parameter [SI], such as `stiffness`.
     pub fn law_value(&self, name: &str) -> Option<f64> {
         let parts = self.structure.law_parts.iter();
         parts
@@ -235,50 +235,52 @@ impl CompiledModel {
             .find_map(|(parameter, slot)| (parameter.name == name).then(|| self.values[*slot]))
     }
 
-    /// Prepares a hook for a step: what has one value per step is computed here.
+    /// Prepares a hook for a step: computes everything that has one value per step.
     pub fn at<'a>(&'a self, place: Hook, step: &'a StepValues, states: &'a States) -> Call<'a> {
         Call::new(self, place, step, states, 0.0)
     }
 
-    /// Offset and tilt of the tool.
+    /// Evaluates offset and tilt of the tool.
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// A formula whose result is not finite.
     pub fn pose(&self, step: &StepValues, states: &States) -> Result<PoseChange, RunError> {
         let call = self.at(Hook::Pose, step, states);
         let [x, y, z, roll, pitch] = [0, 1, 2, 3, 4].map(|output| call.scalar(output));
         Ok(PoseChange { offset: [x?, y?, z?], roll: roll?, pitch: pitch? })
     }
 
-    /// Speed of the spindle [rad/s], from [`Variable::SpindleSpeed`] as it should be.
+    /// Evaluates the spindle speed [rad/s] from the nominal [`Variable::SpindleSpeed`].
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// A formula whose result is not finite.
     pub fn spindle_speed(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
         self.at(Hook::Spindle, step, states).scalar(0)
     }
 
-    /// Force that the controller believes [N], from [`Variable::ForceReading`] as it is.
+    /// Evaluates the force reading that the controller receives [N] from the actual force in
+    /// [`Variable::ForceReading`].
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// A formula whose result is not finite.
     pub fn force_reading(&self, step: &StepValues, states: &States) -> Result<f64, RunError> {
         self.at(Hook::Force, step, states).scalar(0)
     }
 
-    /// Dose from which the scanner calls the substrate exposed; 1 for a perfect one.
+    /// Evaluates the dose from which the scanner reports the substrate as exposed; 1 for a perfect scanner.
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// A formula whose result is not finite.
     pub fn exposure_threshold(&self, step: &StepValues) -> Result<f64, RunError> {
         let states = States::new(self, 1);
         self.at(Hook::Exposure, step, &states).scalar(0)
     }
 
-    /// Moves the states of workpiece cells on by `elapsed` [s]: old values in `lanes`, new ones into `out`.
+    /// Advances the states of workpiece cells by `elapsed` [s]: reads old values from `lanes`, writes new ones to
+    /// `out`.
     ///
     /// # Errors
-    /// A formula that gives no finite number, or lanes of different length.
+    /// A formula whose result is not finite, or lanes of different length.
     pub fn advance_cells(
         &self,
         elapsed: f64,
@@ -295,7 +297,7 @@ impl CompiledModel {
 }
 
 impl Structure {
-    /// A part by its number, laws first.
+    /// Part of this index, laws first.
     pub(super) fn part(&self, index: usize) -> &Part {
         let laws = self.law_parts.len();
         if index < laws { &self.law_parts[index] } else { &self.effect_parts[index - laws] }
@@ -326,7 +328,7 @@ impl Structure {
 }
 
 impl StateTable {
-    /// Numbers the states of an effect among all with the same holder.
+    /// Assigns each state of an effect its index among all states with the same holder.
     fn add(&mut self, part: usize, effect: &Effect) -> Vec<usize> {
         let number = |(index, state): (usize, &super::definition::State)| {
             let list = match state.per {

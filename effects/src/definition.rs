@@ -1,4 +1,4 @@
-//! An effect as its file states it: parameters, states and formulas.
+//! An effect as its file defines it: parameters, states and formulas.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,12 +29,12 @@ impl Process {
         }
     }
 
-    /// The process of this name.
+    /// Returns the process of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|process| process.name() == name)
     }
 
-    /// Whether the process has this place: grinding has no dose and no exposure, sanding no recession.
+    /// True if the process has this hook: grinding has no dose and no exposure, sanding no recession.
     pub fn has(self, place: Hook) -> bool {
         match self {
             Self::Grinding => !matches!(place, Hook::Dose | Hook::Exposure),
@@ -43,17 +43,17 @@ impl Process {
     }
 }
 
-/// A value for each process; most are the same for both.
+/// A value for each process; usually both are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByProcess<T> {
-    /// When grinding.
+    /// Value for grinding.
     pub grinding: T,
-    /// When sanding.
+    /// Value for sanding.
     pub sanding: T,
 }
 
 impl<T: Copy> ByProcess<T> {
-    /// The same for both.
+    /// Uses the same value for both processes.
     pub fn both(value: T) -> Self {
         Self { grinding: value, sanding: value }
     }
@@ -67,7 +67,7 @@ impl<T: Copy> ByProcess<T> {
     }
 }
 
-/// Whether a file is a base law or modifies one.
+/// Kind of file: a base law or an effect that modifies one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Gives a value, such as `pressure = stiffness * depth`.
@@ -76,23 +76,23 @@ pub enum Kind {
     Effect,
 }
 
-/// How many values a parameter has.
+/// Number of values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rows {
-    /// One.
+    /// One value.
     Model,
-    /// One for each pass.
+    /// One value for each pass.
     Pass,
-    /// One for each scan.
+    /// One value for each scan.
     Scan,
 }
 
-/// How a parameter is varied.
+/// Scale on which a parameter is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// In even steps.
+    /// Linear: equal steps.
     Linear,
-    /// In even ratios.
+    /// Logarithmic: equal ratios.
     Log,
 }
 
@@ -107,26 +107,26 @@ pub struct Parameter {
     pub unit: Unit,
     /// The unit as written.
     pub unit_text: String,
-    /// Value at which the effect vanishes. An effect vanishes when all parameters that have one are at it.
+    /// Null value. An effect vanishes if all parameters that have a null value are at it.
     pub null: Option<f64>,
     /// Least and greatest plausible value.
     pub range: ByProcess<[f64; 2]>,
-    /// How to vary it.
+    /// Scale on which it is varied.
     pub scale: Scale,
     /// Typical value.
     pub default: ByProcess<f64>,
-    /// Whether fits vary it unless told otherwise.
+    /// True if fits vary it by default.
     pub free: ByProcess<bool>,
-    /// How many values it has.
+    /// Number of its values.
     pub per: Rows,
-    /// What it is, and where its values come from.
+    /// Description, and source of its values.
     pub about: String,
     /// Line in the file.
     pub line: usize,
 }
 
 impl Parameter {
-    /// The values that a model of a process may give it. `range` [SI] replaces its own.
+    /// Values that a model of a process may give it. `range` [SI] replaces its own range.
     pub fn accepted(&self, process: Process, range: Option<[f64; 2]>) -> Accepted<'_> {
         Accepted {
             range: range.unwrap_or(self.range.of(process)),
@@ -138,41 +138,41 @@ impl Parameter {
     }
 }
 
-/// A formula and its place in the file.
+/// A formula and its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     /// Key in the file, such as `modify.rate`.
     pub key: String,
-    /// As written.
+    /// Text as written.
     pub text: String,
-    /// As a tree.
+    /// Syntax tree.
     pub tree: Expr,
-    /// Byte of the file at which the text begins.
+    /// Byte offset of the text in the file.
     pub start: usize,
 }
 
-/// A named part of formulas.
+/// A named subexpression of formulas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Definition {
     /// Name in formulas.
     pub name: String,
-    /// What it stands for.
+    /// Formula that it stands for.
     pub formula: Formula,
 }
 
-/// Where a state is kept.
+/// Owner of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holder {
-    /// One value.
+    /// The tool: one value.
     Tool,
-    /// One value for each tool cell.
+    /// Each tool cell: one value per cell.
     ToolCell,
-    /// One value for each workpiece cell.
+    /// Each workpiece cell: one value per cell.
     WorkpieceCell,
 }
 
 impl Holder {
-    /// Where the state's own formulas are evaluated.
+    /// Hook at which the state's own formulas are evaluated.
     pub fn place(self) -> Hook {
         match self {
             Self::Tool => Hook::ToolState,
@@ -190,7 +190,7 @@ impl Holder {
         }
     }
 
-    /// Whether formulas at `place` may read such a state.
+    /// True if formulas at `place` may read such a state.
     pub fn is_readable_at(self, place: Hook) -> bool {
         match self {
             Self::Tool => !place.is_scan(),
@@ -200,7 +200,7 @@ impl Holder {
     }
 }
 
-/// When a state returns to its initial value.
+/// Event at which a state returns to its initial value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reset {
     /// When the tool is dressed or renewed.
@@ -213,16 +213,16 @@ pub enum Reset {
     Never,
 }
 
-/// How a state moves.
+/// Evolution of a state in time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Its change per time is given.
+    /// The time derivative is given.
     Rate(Formula),
-    /// It nears a target; after `time` the distance has fallen to 1/e. With `time` 0 it is the target.
+    /// The state relaxes to a target with time constant `time`. With `time` 0 it equals the target.
     Relax {
-        /// Where it goes.
+        /// Target value.
         target: Formula,
-        /// How long it takes [s].
+        /// Time constant [s].
         time: Formula,
     },
 }
@@ -232,26 +232,26 @@ pub enum Motion {
 pub struct State {
     /// Name in formulas.
     pub name: String,
-    /// Where it is kept.
+    /// Owner of the state.
     pub per: Holder,
-    /// Its unit.
+    /// Unit.
     pub unit: Unit,
-    /// The unit as written; empty until it is inferred from how the state moves.
+    /// The unit as written; empty until it is inferred from the evolution formula.
     pub unit_text: String,
-    /// How it moves.
+    /// Evolution in time.
     pub motion: Motion,
     /// Value after a reset.
     pub initial: f64,
-    /// When it is reset.
+    /// Event at which it is reset.
     pub reset: Reset,
-    /// Bounds.
+    /// Lower and upper bound.
     pub bounds: [f64; 2],
     /// Line in the file.
     pub line: usize,
 }
 
 impl State {
-    /// True of a state of the whole tool whose rate is the number 0: only a measurement changes it.
+    /// True for a state of the whole tool whose rate is the number 0: only a measurement changes it.
     pub fn is_held(&self) -> bool {
         let is_zero = |rate: &Formula| matches!(rate.tree.node, Node::Number(value, _) if value == 0.0);
         self.per == Holder::Tool && matches!(&self.motion, Motion::Rate(rate) if is_zero(rate))
@@ -265,7 +265,7 @@ pub struct Change {
     pub hook: Hook,
     /// The value.
     pub value: Variable,
-    /// Its new value.
+    /// Formula of its new value.
     pub formula: Formula,
 }
 
@@ -274,21 +274,21 @@ pub struct Change {
 pub struct Effect {
     /// Name in models.
     pub name: String,
-    /// Name for people.
+    /// Descriptive name.
     pub title: String,
-    /// Where the physics comes from.
+    /// Reference for the physics.
     pub source: String,
     /// Law or effect.
     pub kind: Kind,
-    /// The only process in which it acts; nothing: every process whose values it changes.
+    /// The only process in which it acts; `None` for every process whose values it changes.
     pub process: Option<Process>,
-    /// What it leaves in measurements.
+    /// Pattern that it leaves in measurements.
     pub signature: String,
-    /// Effects that leave something similar.
+    /// Effects with a similar signature.
     pub confused_with: Vec<String>,
     /// Parameters in the order of the file.
     pub parameters: Vec<Parameter>,
-    /// Named parts of formulas.
+    /// Named subexpressions of formulas.
     pub definitions: Vec<Definition>,
     /// States in the order of the file.
     pub states: Vec<State>,
@@ -296,12 +296,12 @@ pub struct Effect {
     pub changes: Vec<Change>,
     /// Name of the file.
     pub file: String,
-    /// The file.
+    /// Text of the file.
     pub text: String,
 }
 
 impl Effect {
-    /// Whether it acts in a process.
+    /// True if it acts in a process.
     pub fn acts_in(&self, process: Process) -> bool {
         self.process.is_none_or(|only| only == process) && self.changes_in(process).next().is_some()
     }
@@ -321,7 +321,7 @@ impl Effect {
         self.changes.iter().map(|change| &change.formula).chain(definitions).chain(states.flatten())
     }
 
-    /// Whether its changes or their named parts read one of some variables.
+    /// True if its changes or definitions read one of these variables.
     pub fn reads(&self, variables: &[Variable]) -> bool {
         let formulas = self.changes.iter().map(|change| &change.formula);
         let mut all = formulas.chain(self.definitions.iter().map(|definition| &definition.formula));
@@ -329,18 +329,18 @@ impl Effect {
         all.any(|formula| formula.tree.names().iter().any(|(name, _)| is_one(name)))
     }
 
-    /// The parameter of this name.
+    /// Returns the parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 
-    /// Line and column, from 1, of a byte of the file.
+    /// Line and column, from 1, of a byte offset in the file.
     pub fn line_column(&self, byte: usize) -> (usize, usize) {
         line_column(&self.text, byte)
     }
 }
 
-/// Line and column, from 1, of a byte of a text.
+/// Line and column, from 1, of a byte offset in a text.
 pub fn line_column(text: &str, byte: usize) -> (usize, usize) {
     let before = &text[..text.floor_char_boundary(byte)];
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);

@@ -3,13 +3,13 @@
 use std::fmt;
 use std::ops::{Div, Mul};
 
-/// Exponents are kept in twelfths, so that square and cube roots are exact.
+/// Exponents are stored in twelfths, so that square and cube roots are exact.
 const TWELFTHS: i32 = 12;
 
 /// Symbols of the base units, in the order of the exponents.
 const BASE: [&str; 4] = ["kg", "m", "s", "K"];
 
-/// Derived units by which a dimension is shown, in the order of preference.
+/// Derived units in which a dimension is printed, in order of preference.
 const NAMED: [(&str, Dimension); 4] = [
     ("N", Dimension::whole([1, 1, -2, 0])),
     ("Pa", Dimension::whole([1, -1, -2, 0])),
@@ -24,25 +24,25 @@ pub struct Dimension {
 }
 
 impl Dimension {
-    /// A plain number.
+    /// Dimensionless.
     pub const NONE: Self = Self::whole([0; 4]);
 
-    /// Whole exponents of kg, m, s and K.
+    /// Dimension with whole exponents of kg, m, s and K.
     pub const fn whole([kg, m, s, k]: [i32; 4]) -> Self {
         Self { twelfths: [kg * TWELFTHS, m * TWELFTHS, s * TWELFTHS, k * TWELFTHS] }
     }
 
-    /// Whether it is a plain number.
+    /// True if it is dimensionless.
     pub fn is_none(self) -> bool {
         self == Self::NONE
     }
 
-    /// This dimension to a power, if the exponents stay multiples of 1/12.
+    /// Raises this dimension to a power; `None` if the exponents are no longer multiples of 1/12.
     pub fn to_power(self, exponent: f64) -> Option<Self> {
         let mut twelfths = [0; 4];
         for (to, from) in twelfths.iter_mut().zip(self.twelfths) {
             let raised = f64::from(from) * exponent;
-            // A third is not exact in binary: what is this close to a twelfth is meant as one.
+            // One third is not exact in binary: values within 1e-9 of a twelfth count as that twelfth.
             if (raised - raised.round()).abs() > 1e-9 || raised.abs() > 1e6 {
                 return None;
             }

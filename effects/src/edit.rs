@@ -1,4 +1,4 @@
-//! Changes to the text of a model file that leave the rest of it, comments included, as it was.
+//! Changes to the text of a model file that preserve the rest of it, comments included.
 
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
@@ -9,23 +9,24 @@ use super::model::{Model, ModelError, ModelPart};
 use super::nearest::hint;
 use super::toml_text::{Source, parse_quantity};
 
-/// A model file after a change, and what changed, one sentence each.
+/// A model file after a change, with one sentence per change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
     /// The new text.
     pub text: String,
-    /// The model that it states.
+    /// The model that the new text states.
     pub model: Model,
-    /// What changed.
+    /// Descriptions of the changes.
     pub changes: Vec<String>,
 }
 
 impl Model {
-    /// Adds an effect to the text of a model. Its free parameters are written out with their typical values; `given`
-    /// replaces values, as parameter and text with unit.
+    /// Adds an effect to the text of a model. Its free parameters are written with their typical values; `given`
+    /// replaces values, as parameter name and text with unit.
     ///
     /// # Errors
-    /// A fault in the file, an unknown effect or parameter, an effect that is there already or does nothing here.
+    /// A fault in the file, an unknown effect or parameter, or an effect that is already present or does nothing in
+    /// this process.
     pub fn add_to_text(
         source: (&str, &str),
         name: &str,
@@ -65,7 +66,7 @@ impl Model {
         finish(file, &document, changes, library)
     }
 
-    /// Removes an effect from the text of a model, with what the file says about its parameters elsewhere.
+    /// Removes an effect from the text of a model, with all other entries of the file for its parameters.
     ///
     /// # Errors
     /// A fault in the file, or an effect that is not in it.
@@ -129,11 +130,11 @@ impl Model {
         finish(file, &document, changes, library)
     }
 
-    /// The model as the text of a file.
+    /// Writes the model as the text of a file.
     ///
     /// # Panics
-    /// When the model names laws, effects or parameters that the library does not have; [`Model::parse`] and
-    /// `CompiledModel::new` refuse such a model.
+    /// If the model names laws, effects or parameters that the library does not have; [`Model::parse`] and
+    /// `CompiledModel::new` reject such a model.
     pub fn to_text(&self, library: &Library) -> String {
         let mut document = DocumentMut::new();
         document.insert("process", Item::Value(self.process.name().into()));
@@ -161,11 +162,11 @@ impl Model {
     }
 }
 
-/// Times as far as a value that lies beyond what the library lists: there the range ends that is written with it.
+/// Factor by which a written range extends past a value that lies outside the library's range.
 const ROOM: f64 = 3.0;
 
 impl Model {
-    /// The ranges that the model states, and those that its values need where the library lists narrower ones.
+    /// The model's own ranges, and wider ones for values that lie outside the library's ranges.
     fn ranges_with_values(&self, library: &Library) -> Vec<(String, [f64; 2])> {
         let mut ranges = self.ranges.clone();
         for part in self.laws.iter().chain(&self.effects) {
@@ -186,7 +187,7 @@ impl Model {
     }
 }
 
-/// A range that holds a value beyond it, and more of the like.
+/// Widens a range to contain a value outside it, with a margin.
 fn with_room([low, high]: [f64; 2], value: f64) -> [f64; 2] {
     match value > high {
         true => [low, value + (ROOM - 1.0) * value.abs()],
@@ -199,14 +200,14 @@ fn open(file: &str, text: &str) -> Result<DocumentMut, EffectError> {
     Source { file, text }.document().map(toml_edit::Document::into_mut)
 }
 
-/// Reads what was written, so that nothing is written that cannot be read.
+/// Parses the written text again, so that no unreadable file is returned.
 fn finish(file: &str, document: &DocumentMut, changes: Vec<String>, library: &Library) -> Result<Edit, ModelError> {
     let text = document.to_string();
     let model = Model::parse(file, &text, library)?;
     Ok(Edit { text, model, changes })
 }
 
-/// The table under these keys, made if it is not there.
+/// Returns the table under these keys; creates it if absent.
 fn table_at<'a>(root: &'a mut Table, keys: &[&str]) -> &'a mut dyn TableLike {
     let mut table: &mut dyn TableLike = root;
     for (depth, key) in keys.iter().enumerate() {
@@ -217,7 +218,7 @@ fn table_at<'a>(root: &'a mut Table, keys: &[&str]) -> &'a mut dyn TableLike {
     table
 }
 
-/// The values that an effect's table gets: those given, and the typical ones of the other free parameters.
+/// Values that an effect's table gets: those given, and typical values of the other free parameters.
 fn written_values<'a>(
     effect: &'a Effect,
     process: Process,
@@ -236,7 +237,7 @@ fn written_values<'a>(
         } else if parameter.free.of(process) && parameter.per == Rows::Model {
             values.push((parameter, parameter.default.of(process)));
         } else if parameter.free.of(process) {
-            // One value per pass or scan: at first all at null, which one value states.
+            // One value per pass or scan: initially all at null, which a single value states.
             values.push((parameter, parameter.null.unwrap_or(parameter.default.of(process))));
         }
     }
@@ -281,7 +282,7 @@ fn describe(parameter: &Parameter, value: f64, process: Process) -> String {
     format!("{} = {value}   range {} to {}{null}", parameter.name, show(low), show(high))
 }
 
-/// Names of the effects of a library that act in a process and are not in a model.
+/// Effects of a library that act in the model's process and are not in the model.
 pub fn candidates<'l>(model: &Model, library: &'l Library) -> Vec<&'l Effect> {
     let is_new = |effect: &&Effect| !model.effects.iter().any(|part| part.name == effect.name);
     let acts = |effect: &&Effect| effect.kind == Kind::Effect && effect.acts_in(model.process);

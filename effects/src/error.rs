@@ -1,11 +1,11 @@
-//! What can be wrong with a file of formulas, said so that it can be repaired.
+//! Errors of formula files, with the details needed to correct them.
 
 use super::dimension::Dimension;
 use super::parse::SyntaxError;
 use super::unit::UnitError;
 use super::variable::{Hook, Variable};
 
-/// A fault in an effect or model file, with its place.
+/// A fault in an effect or model file, with its position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}:{column}: {key}: {problem}")]
 pub struct EffectError {
@@ -13,111 +13,111 @@ pub struct EffectError {
     pub file: String,
     /// Line, from 1.
     pub line: usize,
-    /// Character in the line, from 1.
+    /// Column, counted in characters from 1.
     pub column: usize,
     /// Key of the file, such as `modify.rate`.
     pub key: String,
-    /// What is wrong there.
+    /// The fault found there.
     pub problem: Box<Problem>,
 }
 
-/// What is wrong.
+/// Kind of fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// Not TOML.
+    /// Text that is not TOML.
     #[error("this is not TOML: {0}")]
     Toml(String),
-    /// A key that means nothing here.
+    /// A key without meaning here.
     #[error("{found} means nothing here; accepted are {accepted}")]
     UnknownKey {
         /// The key.
         found: String,
-        /// Keys with a meaning.
+        /// Accepted keys.
         accepted: String,
     },
-    /// A key that is missing.
+    /// A missing key.
     #[error("`{0}` is missing")]
     Missing(String),
-    /// A value that does not fit.
+    /// A value that is not accepted.
     #[error("found {found}, {expected} is expected")]
     Value {
-        /// What stands there.
+        /// Value found.
         found: String,
-        /// What would be accepted.
+        /// Values that are accepted.
         expected: String,
     },
-    /// A unit that cannot be read.
+    /// A unit that cannot be parsed.
     #[error(transparent)]
     Unit(#[from] UnitError),
-    /// A formula that cannot be read.
+    /// A formula that cannot be parsed.
     #[error(transparent)]
     Syntax(#[from] SyntaxError),
-    /// A name that is not known where it is used.
+    /// A name that is unknown at the hook where it is used.
     #[error("`{name}` is not known at the hook {place}{hint}; available are {available}")]
     UnknownName {
         /// The name.
         name: String,
-        /// Where the formula is evaluated.
+        /// Hook at which the formula is evaluated.
         place: Hook,
-        /// A guess at what was meant, or where the name is known.
+        /// A likely intended name, or the hooks at which the name is known.
         hint: String,
-        /// Names with their units.
+        /// Available names with their units.
         available: String,
     },
-    /// Quantities that do not fit together.
+    /// Quantities of mismatched dimension.
     #[error("{what} has the unit {found}, {expected} is expected")]
     Dimension {
         /// The part of the formula.
         what: String,
         /// Its unit.
         found: Dimension,
-        /// What would fit.
+        /// Expected dimension.
         expected: String,
     },
-    /// Definitions that need each other.
+    /// Definitions that depend on each other in a circle.
     #[error("the definitions need each other in a circle: {0}")]
     Cycle(String),
-    /// A formula that breaks down at the null value.
+    /// A formula that is not finite at the null value.
     #[error("at the null value the formula gives {result}: {cause}; with {inputs}")]
     BrokenAtNull {
-        /// What came out.
+        /// Result of the formula.
         result: f64,
-        /// The operation that broke down, and where.
+        /// Operation that gave the first value that is not finite, and its position.
         cause: String,
         /// Values of the variables.
         inputs: String,
     },
-    /// An effect that does not vanish.
+    /// An effect that does not vanish at its null value.
     #[error(
         "at the null value the effect must vanish exactly, but it turns {value} = {before:?} into {after:?}; with {inputs}"
     )]
     NotNull {
         /// The value that the formula modifies.
         value: Variable,
-        /// The value before.
+        /// Value before the effect.
         before: f64,
-        /// The value after.
+        /// Value after the effect.
         after: f64,
         /// Values of the variables.
         inputs: String,
     },
-    /// A name that is taken.
+    /// A name that is already used.
     #[error("the name `{name}` is taken by {owner}; choose another")]
     Taken {
         /// The name.
         name: String,
-        /// What has it.
+        /// Owner of the name.
         owner: String,
     },
 }
 
-/// A value that is not finite, found while a model runs.
+/// An error while a model runs, such as a value that is not finite.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RunError {
-    /// A formula's result.
+    /// A formula whose result is not finite.
     #[error(transparent)]
     Result(Box<BadResult>),
-    /// An input that was handed in.
+    /// An input from the simulator that is not finite.
     #[error("the simulator hands {value} as {variable} to the hook {place}, lane {lane}")]
     Input {
         /// The variable.
@@ -126,24 +126,24 @@ pub enum RunError {
         value: f64,
         /// The hook.
         place: Hook,
-        /// The first such lane.
+        /// The first lane with such a value.
         lane: usize,
     },
-    /// A lane that is missing or of another length.
+    /// A lane variable that is missing or of the wrong length.
     #[error("{variable} has {found} values at the hook {place}, {expected} are expected")]
     Shape {
         /// The variable.
         variable: String,
-        /// Values handed in.
+        /// Number of values supplied.
         found: usize,
-        /// Lanes.
+        /// Number of lanes.
         expected: usize,
         /// The hook.
         place: Hook,
     },
 }
 
-/// A formula that gave no finite number.
+/// A formula whose result is not finite.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}:{line}: {key}: `{formula}` gives {result} at the hook {place}: {cause}; with {inputs}")]
 pub struct BadResult {
@@ -155,11 +155,11 @@ pub struct BadResult {
     pub key: String,
     /// The formula.
     pub formula: String,
-    /// What came out.
+    /// Result of the formula.
     pub result: f64,
-    /// Where it is evaluated.
+    /// Hook at which it is evaluated.
     pub place: Hook,
-    /// The operation that broke down.
+    /// Operation that gave the first value that is not finite.
     pub cause: String,
     /// Values of the variables in the first such lane.
     pub inputs: String,

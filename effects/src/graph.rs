@@ -1,4 +1,4 @@
-//! Formulas as a graph in which equal parts occur once: what is computed per step is told from what is computed per lane.
+//! Formulas as a graph with common subexpressions shared. It separates values computed per step from values per lane.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use super::definition::Rows;
 use super::op::Op;
 use super::variable::Variable;
 
-/// A node of the graph.
+/// Index of a node.
 pub type Id = u32;
 
-/// What a node reads.
+/// Value that a leaf reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Load {
-    /// A number, by its bits.
+    /// A number, by its bit pattern.
     Constant(u64),
-    /// A parameter: its first value among all, and how its row is chosen.
+    /// A parameter: index of its first value, and how its row is chosen.
     Parameter(usize, Rows),
     /// A variable of the step.
     Step(Variable),
@@ -26,7 +26,7 @@ pub enum Load {
     Lane(Variable),
     /// A state of the lane's workpiece cell.
     CellState(usize),
-    /// A state of the tool cell that is the lane.
+    /// A state of the tool cell that is itself the lane.
     OwnToolCell(usize),
     /// A state of the tool cell over the lane.
     ToolCellOver(usize),
@@ -38,7 +38,7 @@ impl Load {
     }
 }
 
-/// What a node is.
+/// Kind of node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Node {
     /// A leaf.
@@ -47,7 +47,7 @@ pub enum Node {
     Apply(Op, [Id; 3]),
 }
 
-/// Nodes in an order in which arguments come first.
+/// Nodes in topological order: arguments precede the operations that use them.
 #[derive(Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -61,22 +61,22 @@ impl Graph {
         &self.nodes
     }
 
-    /// Whether a node has one value per lane.
+    /// True if a node has one value per lane.
     pub fn is_lane(&self, id: Id) -> bool {
         self.lanes[id as usize]
     }
 
-    /// A number.
+    /// Adds a number.
     pub fn constant(&mut self, value: f64) -> Id {
         self.load(Load::Constant(value.to_bits()))
     }
 
-    /// A leaf.
+    /// Adds a leaf.
     pub fn load(&mut self, load: Load) -> Id {
         self.add(Node::Load(load), load.is_lane())
     }
 
-    /// An operation. On numbers alone it is done at once.
+    /// Adds an operation. Operations on numbers alone are folded to a constant.
     pub fn apply(&mut self, op: Op, arguments: &[Id]) -> Id {
         let values: Vec<f64> = arguments.iter().filter_map(|id| self.value(*id)).collect();
         let mut padded = [0; 3];

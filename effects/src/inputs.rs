@@ -1,18 +1,18 @@
-//! What the simulator hands to the formulas: values of a step, and lanes of cells or pixels.
+//! Inputs of the formulas from the simulator: values per step, and lanes of cells or pixels.
 
 use super::variable::{Per, Variable};
 
-/// Values of all variables that a step has one of [SI].
+/// Values of all variables that have one value per step [SI].
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepValues {
     values: [f64; Variable::COUNT],
-    /// Row of parameters that have one value per pass, from 0.
+    /// Row, from 0, of parameters with one value per pass.
     pub pass_row: usize,
-    /// Row of parameters that have one value per scan, from 0.
+    /// Row, from 0, of parameters with one value per scan.
     pub scan_row: usize,
 }
 
-/// Variables that keep their value when the tool rests: those of the tool, and the clock.
+/// Variables that keep their value while the tool rests: those of the tool, and the clock.
 const KEPT_AT_REST: [Variable; 8] = [
     Variable::ToolRadius,
     Variable::ToolWidth,
@@ -31,7 +31,7 @@ impl Default for StepValues {
 }
 
 impl StepValues {
-    /// A tool of no size at rest, at room temperature.
+    /// A tool of zero size at rest, at room temperature.
     pub fn new() -> Self {
         let mut step = Self { values: [0.0; Variable::COUNT], pass_row: 0, scan_row: 0 };
         step.set(Variable::TemperatureLogged, 293.15);
@@ -47,14 +47,14 @@ impl StepValues {
     /// Sets a variable [SI].
     ///
     /// # Panics
-    /// When the variable has a value per cell or pixel.
+    /// If the variable has one value per cell or pixel.
     pub fn set(&mut self, variable: Variable, value: f64) -> &mut Self {
         assert!(variable.row().per == Per::Step, "{variable} has a value per lane, not per step");
         self.values[variable as usize] = value;
         self
     }
 
-    /// The same tool and clock with all speeds, forces and rates at zero: a pause.
+    /// Returns the same tool and clock with all speeds, forces and rates at zero: a pause.
     pub fn at_rest(&self) -> Self {
         let mut rest = Self { pass_row: self.pass_row, scan_row: self.scan_row, ..Self::new() };
         for variable in KEPT_AT_REST {
@@ -69,7 +69,7 @@ impl StepValues {
     }
 }
 
-/// Values of cells or pixels [SI], one slice per variable, borrowed and all of one length.
+/// Values of cells or pixels [SI], one borrowed slice per variable, all of equal length.
 #[derive(Clone, Copy)]
 pub struct Lanes<'a> {
     pub(super) len: usize,
@@ -92,7 +92,7 @@ impl<'a> Lanes<'a> {
         self
     }
 
-    /// Adds the place of each contact cell among the tool cells: 2.25 is a quarter of the way from the centre of cell 2
+    /// Adds the fractional tool cell index of each contact cell: 2.25 is a quarter of the way from the centre of cell 2
     /// to that of cell 3.
     #[must_use]
     #[inline]

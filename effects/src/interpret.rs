@@ -1,5 +1,5 @@
-//! Direct interpretation of formulas, one number at a time: what the lane programs must agree with, and what finds the
-//! operation that broke down.
+//! Direct interpretation of formulas, one number at a time. It is the reference for the lane programs, and finds the
+//! operation that gave a value that is not finite.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::syntax::{Expr, Node};
 
 /// Values of everything that a formula of an effect may name.
 pub struct Environment<'a> {
-    /// What the names stand for.
+    /// Scope that resolves the names.
     pub scope: Scope<'a>,
     /// Parameters of the effect [SI].
     pub parameters: &'a [f64],
@@ -22,11 +22,11 @@ pub struct Environment<'a> {
     pub states: &'a [f64],
 }
 
-/// One evaluation: what a name stands for is computed once, however often it is used.
+/// One evaluation; each definition is computed once, however often it is used.
 struct Evaluation<'e, 'a> {
     environment: &'e Environment<'a>,
     named: BTreeMap<Symbol, f64>,
-    /// Definitions in which no operation breaks down.
+    /// Definitions in which every operation gives a finite value.
     good: Vec<usize>,
 }
 
@@ -95,7 +95,7 @@ impl Evaluation<'_, '_> {
 }
 
 impl Environment<'_> {
-    /// The value of a formula.
+    /// Evaluates a formula.
     pub fn evaluate(&self, expr: &Expr) -> f64 {
         self.evaluation().of(expr)
     }
@@ -104,7 +104,7 @@ impl Environment<'_> {
         Evaluation { environment: self, named: BTreeMap::new(), good: Vec::new() }
     }
 
-    /// A state after `dt` [s].
+    /// Evaluates a state after `dt` [s].
     pub fn advanced(&self, index: usize, dt: f64) -> f64 {
         let state = &self.scope.effect.states[index];
         let old = self.states[index];
@@ -119,13 +119,14 @@ impl Environment<'_> {
         super::op::min(super::op::max(moved, state.bounds[0]), state.bounds[1])
     }
 
-    /// The innermost operation that turns finite numbers into none, in words with its place in the file.
+    /// Describes the innermost operation whose arguments are finite and whose result is not, with its position in the
+    /// file.
     pub fn cause(&self, formula: &Formula) -> String {
         let fault = self.evaluation().find_fault(formula, &formula.tree);
         fault.unwrap_or_else(|| "an infinite value is used".to_owned())
     }
 
-    /// The names of a formula with their values.
+    /// Lists the names of a formula with their values.
     pub fn inputs(&self, formula: &Formula) -> String {
         let mut names: Vec<&str> = Vec::new();
         self.collect(&formula.tree, &mut names);
@@ -162,8 +163,8 @@ fn fault_of(op: Op, [a, b, _]: [f64; 3], result: f64) -> Option<&'static str> {
     }
 }
 
-/// A state that relaxes within a time that is a parameter with null value 0 is a lag: at null it reads as its target,
-/// so that it vanishes exactly. Returns the parameter and the target.
+/// Identifies a lag: a state that relaxes with a time constant that is a parameter with null value 0. At null it equals
+/// its target, so that the effect vanishes exactly. Returns the index of the parameter and the target.
 pub fn lag<'a>(effect: &Effect, state: &'a State) -> Option<(usize, &'a Formula)> {
     let Motion::Relax { target, time } = &state.motion else { return None };
     let Node::Name(name) = &time.tree.node else { return None };

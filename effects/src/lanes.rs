@@ -1,8 +1,8 @@
-//! Runs a lane program, some dozens of lanes at a time, so that registers stay in the fastest memory and every operation
-//! is one loop in the processor's widest lanes.
+//! Runs a lane program on chunks of 64 lanes, so that registers stay in the fastest cache and every operation is one
+//! SIMD loop.
 //!
-//! Every operation acts on each lane alone and is exactly rounded or our own: a lane gives the same bits wherever it
-//! stands, however the lanes are split into calls, on every processor.
+//! Every operation acts on each lane alone and is either exactly rounded or implemented here. A lane therefore gives
+//! the same bits at any position, for any split of lanes into calls, on every processor.
 
 use super::math;
 use super::op::{self, Op};
@@ -14,25 +14,25 @@ const CHUNK: usize = 64;
 /// Results of an operation on a chunk.
 type Register = [f64; CHUNK];
 
-/// What a lane program reads.
+/// Inputs of a lane program.
 pub struct LaneInputs<'a> {
     /// Results of the step program.
     pub scalars: &'a [f64],
-    /// One slice per input of the program, all as long as the lanes.
+    /// One slice per input of the program, each with one value per lane.
     pub slices: &'a [&'a [f64]],
-    /// Hook of each lane among the tool cells.
+    /// Fractional tool cell index of each lane.
     pub tool_cell: &'a [f64],
     /// States of the tool cells.
     pub tool_states: &'a [Vec<f64>],
 }
 
-/// Runs `program` over `len` lanes into one slice per output. Returns whether all results are finite.
+/// Runs `program` over `len` lanes into one slice per output. Returns true if all results are finite.
 pub fn run(program: &Program, inputs: &LaneInputs, outputs: &mut [&mut [f64]], len: usize) -> bool {
     let run = Run { program, inputs, outputs, len };
     pulp::Arch::new().dispatch(run)
 }
 
-/// [`run`] as a call that is compiled for each kind of lanes.
+/// Arguments of [`run`] as a type that `pulp` compiles for each instruction set.
 struct Run<'a, 'b, 'c> {
     program: &'a Program,
     inputs: &'a LaneInputs<'a>,
@@ -45,7 +45,7 @@ impl pulp::NullaryFnOnce for Run<'_, '_, '_> {
 
     #[inline(always)]
     fn call(self) -> bool {
-        // Few registers are quick to clear; most programs need no more.
+        // A few registers are quick to clear; most programs need no more.
         match self.program.registers {
             0..=8 => run_chunks(self, &mut [[0.0; CHUNK]; 8]),
             9..=32 => run_chunks(self, &mut [[0.0; CHUNK]; 32]),
@@ -54,7 +54,7 @@ impl pulp::NullaryFnOnce for Run<'_, '_, '_> {
     }
 }
 
-// All below is inlined into the call above, or it would not be compiled for its lanes.
+// Everything below is inlined into the call above, so that it is compiled for the same instruction set.
 
 #[inline(always)]
 fn run_chunks(run: Run, registers: &mut [Register]) -> bool {
@@ -130,7 +130,7 @@ impl<'a> Chunk<'a> {
     }
 }
 
-// Macros, because a function handed to a loop is not compiled for the lanes of the loop.
+// Macros, because a closure passed to a loop is not compiled for the loop's instruction set.
 
 /// One loop over an argument.
 macro_rules! map {
@@ -218,7 +218,7 @@ fn select(to: &mut [f64], arguments: [Value; 3]) {
     }
 }
 
-/// Linear between the centres of the cells, constant beyond the outermost.
+/// Interpolates linearly between the cell centres; constant beyond the outermost.
 #[inline(always)]
 fn interpolate(to: &mut [f64], cells: &[f64], places: &[f64]) {
     let last = cells.len() - 1;

@@ -1,10 +1,11 @@
-//! The effect language: base laws and effects as files of formulas, read, checked, compiled and run over lanes.
+//! The effect language: base laws and effects as files of formulas, which are read, checked, compiled and run over
+//! lanes.
 //!
-//! Text becomes numbers in this order: `toml_text` and `read` take a file apart, `parse` makes trees of its formulas,
-//! `check` holds names and dimensions (`scope`) and the null value (`null`) against what they must be, `lower` puts all
-//! formulas of a [`Model`] at one place into one `graph`, `program` lays it out, `lanes` runs it, `wgsl` writes it out for a
-//! graphics processor. `interpret` evaluates
-//! a tree directly: it is what the programs are tested against, and what explains a result that is not finite.
+//! The stages from text to numbers: `toml_text` and `read` split a file into its entries, `parse` builds the formulas'
+//! trees, `check` verifies names and dimensions (`scope`) and the null value (`null`), `lower` combines all formulas of
+//! a [`Model`] at one hook into one `graph`, `program` schedules it, `lanes` runs it, and `wgsl` writes it for a GPU.
+//! `interpret` evaluates a tree directly: the programs are tested against it, and it explains results that are not
+//! finite.
 //!
 //! ```
 //! use effects::{CompiledModel, Lanes, Library, Model, Hook, Process, RowCounts, States, StepValues, Variable};
@@ -20,7 +21,7 @@
 //! assert!((rate[1] / rate[0] - 2.0).abs() < 1e-12);   // r ~ p^0.5
 //! ```
 //!
-//! Nothing here opens a file: texts come with a name for messages.
+//! This crate opens no file: texts are passed with a name for messages.
 
 mod accepted;
 mod call;

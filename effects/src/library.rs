@@ -1,4 +1,4 @@
-//! The laws and effects that are known: those that come with the program, in their fixed order, then a user's own.
+//! The known laws and effects: the built-in ones in a fixed order, then the user's own.
 
 use std::sync::OnceLock;
 
@@ -15,7 +15,7 @@ macro_rules! files {
 /// The base laws.
 pub const LAWS: &[(&str, &str)] = files!["winkler.toml", "preston-threshold.toml", "preston-sanding.toml",];
 
-/// The effects, in the order in which their formulas act where several change the same value.
+/// The effects, in the order in which their formulas act if several change the same value.
 pub const EFFECTS: &[(&str, &str)] = files![
     // The pose of the tool.
     "path-offset.toml",
@@ -29,7 +29,7 @@ pub const EFFECTS: &[(&str, &str)] = files![
     "viscoelastic-pad.toml",
     "lateral-coupling.toml",
     "edge-pressure.toml",
-    // Spindle and force. The sensor sees what the loop does, so bias and lag come last.
+    // Spindle and force. The sensor measures the result of the control loop, so bias and lag come last.
     "spindle-droop.toml",
     "chatter.toml",
     "slide-friction.toml",
@@ -37,7 +37,7 @@ pub const EFFECTS: &[(&str, &str)] = files![
     "force-drift.toml",
     "force-bias.toml",
     "force-lag.toml",
-    // Removal. What adds to the base law comes before what multiplies it.
+    // Removal. Effects that add to the base law come before those that multiply it.
     "random-orbit.toml",
     "threshold-variant.toml",
     "pressure-exponent.toml",
@@ -73,10 +73,10 @@ pub struct Library {
 }
 
 impl Library {
-    /// What comes with the program.
+    /// The built-in laws and effects.
     ///
     /// # Panics
-    /// When a file of the program is at fault; a test checks each.
+    /// If a built-in file is faulty; a test checks each.
     pub fn builtin() -> &'static Self {
         static BUILTIN: OnceLock<Library> = OnceLock::new();
         BUILTIN.get_or_init(|| {
@@ -92,7 +92,7 @@ impl Library {
     /// Adds a user's files, given as name and text. They act after the built-in effects, in the order of their names.
     ///
     /// # Errors
-    /// The first fault of a file, or a name that is taken.
+    /// The first fault of a file, or a name that is already used.
     pub fn with(&self, files: &[(String, String)]) -> Result<Self, EffectError> {
         let mut library = self.clone();
         for (file, text) in files {
@@ -114,7 +114,7 @@ impl Library {
         Ok(library)
     }
 
-    /// The same without these effects.
+    /// Returns a copy without these effects.
     #[must_use]
     pub fn without(&self, names: &[&str]) -> Self {
         let mut library = self.clone();
@@ -137,12 +137,12 @@ impl Library {
         self.laws.iter().chain(&self.effects)
     }
 
-    /// The law or effect of this name.
+    /// Returns the law or effect of this name.
     pub fn find(&self, name: &str) -> Option<&Effect> {
         self.all().find(|effect| effect.name == name)
     }
 
-    /// The laws that a model of a process has unless it names others.
+    /// Default laws of a process.
     pub fn default_laws(process: Process) -> [&'static str; 2] {
         match process {
             Process::Grinding => ["winkler", "preston-threshold"],
@@ -151,20 +151,20 @@ impl Library {
     }
 }
 
-/// Reads and checks one file against the laws that come with the program.
+/// Reads a file and checks it with the built-in laws.
 ///
 /// # Errors
-/// The first fault, with its place.
+/// The first fault, with its position.
 pub fn check_file(file: &str, text: &str) -> Result<Effect, EffectError> {
     let effect = load(file, text, &Library::builtin().laws)?;
     check(&effect, &Library::builtin().laws)?;
     Ok(effect)
 }
 
-/// Reads a file and infers what it leaves open.
+/// Reads a file and infers the units that it leaves open.
 fn load(file: &str, text: &str, laws: &[Effect]) -> Result<Effect, EffectError> {
     let mut effect = read(Source { file, text })?;
-    // A circle has no dimension from which a unit could be inferred.
+    // A circular definition has no dimension from which a unit could be inferred.
     check_circles(&effect)?;
     infer_units(&mut effect, laws)?;
     Ok(effect)

@@ -1,4 +1,4 @@
-//! Formulas of a whole model to the graph of one place.
+//! Lowers the formulas of a whole model at one hook to a graph.
 
 use std::collections::BTreeMap;
 
@@ -10,18 +10,18 @@ use super::scope::{Scope, Symbol};
 use super::syntax::{Expr, Node};
 use super::variable::{Hook, Variable};
 
-/// A law or effect of a model, with the numbers of its first parameter and state values among all of the model.
+/// A law or effect of a model, with the indices of its parameters and states in the whole model.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Its file.
+    /// The law or effect.
     pub effect: Effect,
-    /// For each parameter, the place of its first row among all values.
+    /// Index of the first row of each parameter, among all values.
     pub parameters: Vec<usize>,
-    /// For each state, its place among all states with the same holder.
+    /// Index of each state, among all states with the same holder.
     pub states: Vec<usize>,
 }
 
-/// Lowers formulas at one place.
+/// Lowers formulas at one hook.
 pub struct Lowering<'a> {
     /// The graph so far.
     pub graph: Graph,
@@ -29,14 +29,14 @@ pub struct Lowering<'a> {
     process: Process,
     laws: &'a [Effect],
     law_parts: &'a [Part],
-    /// The values of the place as they are by now.
+    /// Current values of the hook.
     current: Vec<(Variable, Id)>,
-    /// What the names of the present part stand for: a definition that is used often is lowered once.
+    /// Nodes of the names of the current part, so that a repeated definition is lowered once.
     named: BTreeMap<Symbol, Id>,
 }
 
 impl<'a> Lowering<'a> {
-    /// Starts with the values as the simulator hands them in; a law gives those that it makes.
+    /// Starts with the simulator's values; a law supplies the values that it defines.
     pub fn new(place: Hook, process: Process, laws: &'a [Effect], law_parts: &'a [Part]) -> Self {
         let (graph, current, named) = (Graph::default(), Vec::new(), BTreeMap::new());
         let mut lowering = Self { graph, place, process, laws, law_parts, current, named };
@@ -51,12 +51,12 @@ impl<'a> Lowering<'a> {
         lowering
     }
 
-    /// Applies what a law or effect changes at this place.
+    /// Applies the changes of a law or effect at this hook.
     pub fn apply(&mut self, part: &Part) {
         let place = self.place;
         self.named.clear();
         let changes = part.effect.changes.iter().filter(|change| change.hook == place);
-        // All formulas of one effect see the values before it.
+        // All formulas of one effect read the values before it.
         let changed: Vec<(Variable, Id)> =
             changes.map(|change| (change.value, self.formula(part, &change.formula))).collect();
         for (value, id) in changed {
@@ -70,12 +70,12 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The values as they are now, in the order of [`Hook::values`].
+    /// Returns the current values, in the order of [`Hook::values`].
     pub fn outputs(&self) -> Vec<Id> {
         self.current.iter().map(|(_, id)| *id).collect()
     }
 
-    /// A state after the step.
+    /// Returns the node of a state after the step.
     pub fn advanced(&mut self, part: &Part, index: usize) -> Id {
         self.named.clear();
         let state = &part.effect.states[index];
@@ -97,7 +97,7 @@ impl<'a> Lowering<'a> {
         self.graph.apply(Op::Min, &[above, high])
     }
 
-    /// The exact solution for a target that stands still during the step; time 0 gives the target.
+    /// Exact solution for a target that is constant during the step; time constant 0 gives the target.
     fn relaxed(&mut self, old: Id, target: Id, time: Id, elapsed: Id) -> Id {
         let [zero, one] = [0.0, 1.0].map(|value| self.graph.constant(value));
         let back = self.graph.apply(Op::Neg, &[elapsed]);

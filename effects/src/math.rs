@@ -1,17 +1,17 @@
-//! Transcendental functions without branches and without calls, for lanes: every lane gives the same bits wherever it
-//! stands, on every machine. Relative errors are below 1e-15, of [`pow`] below 1e-15 · (1 + |b ln a|).
+//! Transcendental functions without branches or calls, for SIMD lanes: every lane gives the same bits at any position,
+//! on every machine. Relative errors are below 1e-15; that of [`pow`] is below 1e-15 · (1 + |b ln a|).
 //!
-//! Range reduction after Cody and Waite 1980: a multiple of ln 2 is split off in two parts, the rest is summed by its
-//! Taylor series.
+//! Range reduction after Cody and Waite 1980: a multiple of ln 2 is subtracted in two parts, and the Taylor series is
+//! evaluated at the remainder.
 
 use std::f64::consts::{FRAC_2_PI, LOG2_E, SQRT_2};
 
-/// Adding and subtracting it rounds to the nearest whole number, ties to even.
+/// Adding and subtracting it rounds to the nearest integer, ties to even.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts; the first has 21 trailing zero bits, so its multiples by exponents are exact.
 const LN2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-/// Bits of a double that hold its fraction.
+/// Number of fraction bits of a double.
 const FRACTION_BITS: u32 = 52;
 /// Exponent bits of 1.0.
 const ONE_BITS: u64 = 0x3ff0_0000_0000_0000;
@@ -76,15 +76,15 @@ const COSINE_SERIES: [f64; 8] = [
     1.0 / 24.0,
 ];
 
-/// `2^n` for a whole n from -1022 to 1023.
+/// `2^n` for an integer n from -1022 to 1023.
 #[inline(always)]
 fn power_of_two(n: f64) -> f64 {
     let whole = (n + ROUNDER).to_bits().wrapping_sub(ROUNDER.to_bits());
     f64::from_bits(whole.wrapping_shl(FRACTION_BITS).wrapping_add(ONE_BITS))
 }
 
-/// A polynomial by its coefficients, the highest power first. Odd and even powers are summed apart, so that neither waits
-/// for the other.
+/// Evaluates a polynomial, highest power first. Odd and even powers are summed separately, so that the two sums run in
+/// parallel.
 #[inline(always)]
 fn polynomial(coefficients: &[f64; 12], x: f64) -> f64 {
     let square = x * x;
@@ -110,7 +110,7 @@ pub fn exp(x: f64) -> f64 {
     let x = if x > 710.0 { 710.0 } else { x };
     let x = if x < -746.0 { -746.0 } else { x };
     let (n, above_one) = reduced_exp(x);
-    // Two halves, because 2^n alone may be infinite or vanish where the product does not.
+    // Two factors, because 2^n alone may overflow or underflow where the product does not.
     let half = (n * 0.5 + ROUNDER) - ROUNDER;
     (1.0 + above_one) * power_of_two(half) * power_of_two(n - half)
 }
@@ -169,12 +169,12 @@ pub fn pow(a: f64, b: f64) -> f64 {
 fn reduced_angle(x: f64) -> (f64, f64) {
     let n = (x * FRAC_2_PI + ROUNDER) - ROUNDER;
     let r = ((x - n * RIGHT_ANGLE[0]) - n * RIGHT_ANGLE[1]) - n * RIGHT_ANGLE[2];
-    // The whole number of fours is rounded down: n/4 lies 3/8 below the next half.
+    // floor(n/4): n/4 − 3/8 is at most 3/8 from it, so that it rounds to it.
     let fours = (n * 0.25 - 0.375 + ROUNDER) - ROUNDER;
     (n - 4.0 * fours, r)
 }
 
-/// Sine of the quadrant's rest.
+/// Sine from the quadrant and the reduced angle.
 #[inline(always)]
 fn sine_in_quadrant(quadrant: f64, r: f64) -> f64 {
     let square = r * r;

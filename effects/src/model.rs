@@ -1,4 +1,4 @@
-//! A model: a process, its base laws, and the effects that are believed to act, with their parameter values.
+//! A model: a process, its base laws, and the assumed effects with their parameter values.
 //!
 //! ```
 //! use effects::{Library, Model};
@@ -23,7 +23,7 @@ use super::nearest::hint;
 use super::toml_text::{Bare, Entry, Section, Source};
 use super::variable::{Hook, Variable};
 
-/// A law or effect of a model with the values that differ from its defaults.
+/// A law or effect of a model, with the values that differ from its defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelPart {
     /// Name in the library.
@@ -32,7 +32,7 @@ pub struct ModelPart {
     pub values: Vec<(String, Vec<f64>)>,
 }
 
-/// What a model file states.
+/// Contents of a model file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// The process.
@@ -41,36 +41,36 @@ pub struct Model {
     pub laws: Vec<ModelPart>,
     /// Effects.
     pub effects: Vec<ModelPart>,
-    /// Parameters that fits may vary, as `effect.parameter`; nothing: those that the library marks so.
+    /// Parameters that fits may vary, as `effect.parameter`; `None` for those that the library marks as free.
     pub free: Option<Vec<String>>,
     /// Bounds that replace the library's [SI], by `effect.parameter`.
     pub ranges: Vec<(String, [f64; 2])>,
 }
 
-/// Why a model cannot be used.
+/// Reason why a model cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// A fault in the file.
     #[error(transparent)]
     File(#[from] EffectError),
-    /// A law or effect that is not known.
+    /// An unknown law or effect.
     #[error("no {kind} is called `{name}`; {hint}")]
     UnknownPart {
         /// Law or effect.
         kind: &'static str,
         /// The name.
         name: String,
-        /// A guess at the name that was meant, or those that exist.
+        /// A likely intended name, or the known names.
         hint: String,
     },
-    /// A parameter that does not exist.
+    /// An unknown parameter.
     #[error("`{owner}` has no parameter `{name}`; it has {known}")]
     UnknownParameter {
         /// Law or effect.
         owner: String,
         /// The name.
         name: String,
-        /// Names that exist.
+        /// Known names.
         known: String,
     },
     /// Several values for a parameter that has one.
@@ -80,20 +80,20 @@ pub enum ModelError {
         owner: String,
         /// The parameter.
         name: String,
-        /// Values given.
+        /// Number of values given.
         found: usize,
     },
-    /// A value that does not fit.
+    /// A value that is not accepted.
     #[error("`{owner}.{name}`: {problem}")]
     BadValue {
         /// Law or effect.
         owner: String,
         /// The parameter.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         problem: Box<Problem>,
     },
-    /// A part that does nothing in this process.
+    /// A law or effect that does nothing in this process.
     #[error("`{name}` does nothing when {process}", process = .process.name())]
     WrongProcess {
         /// Law or effect.
@@ -101,21 +101,21 @@ pub enum ModelError {
         /// The model's process.
         process: Process,
     },
-    /// A part named twice.
+    /// A law or effect named twice.
     #[error("`{0}` is in the model twice")]
     Twice(String),
-    /// No law, or more than one, gives a value.
+    /// A value given by no law or by more than one.
     #[error("{found} laws of the model give `{value}`; exactly one is expected")]
     Laws {
         /// The value.
         value: &'static str,
-        /// Laws that give it.
+        /// Number of laws that give it.
         found: usize,
     },
-    /// Formulas that are too large together.
+    /// Formulas that are too large in total.
     #[error("the formulas at the hook {place} are too large together: simplify or remove an effect")]
     TooLarge {
-        /// Where.
+        /// The hook.
         place: Hook,
     },
 }
@@ -144,7 +144,7 @@ impl Model {
         }
     }
 
-    /// The values that the model gives for a parameter [SI]; none if it leaves the default.
+    /// Values that the model gives for a parameter [SI]; empty if the default is used.
     pub fn values(&self, owner: &str, parameter: &str) -> &[f64] {
         let parts = self.laws.iter().chain(&self.effects);
         let values = parts.filter(|part| part.name == owner).flat_map(|part| &part.values);
@@ -156,10 +156,11 @@ impl Model {
         self.ranges.iter().find(|(name, _)| name == path).map(|(_, range)| *range)
     }
 
-    /// Reads a model file. Values lie within the range of their parameter, the model's own where it states one.
+    /// Reads a model file. Values must lie within the range of their parameter, or within the model's own range if it
+    /// states one.
     ///
     /// # Errors
-    /// The first fault, with its place in the file.
+    /// The first fault, with its position in the file.
     pub fn parse(file: &str, text: &str, library: &Library) -> Result<Self, ModelError> {
         let source = Source { file, text };
         let document = source.document()?;
@@ -171,18 +172,18 @@ impl Model {
         Ok(model)
     }
 
-    /// As [`Model::parse`], but values may lie beyond the range of their parameter: for numbers that were checked
-    /// against bounds of their own.
+    /// Reads a model file as [`Model::parse`] does, but accepts values outside the range of their parameter: for
+    /// numbers that were checked against other bounds.
     ///
     /// # Errors
-    /// The first fault, with its place in the file.
+    /// The first fault, with its position in the file.
     pub fn parse_beyond_ranges(file: &str, text: &str, library: &Library) -> Result<Self, ModelError> {
         let source = Source { file, text };
         let document = source.document()?;
         Self::read(&Section::root(source, &document), library)
     }
 
-    /// Refuses values of the laws or effects in the file that are out of range.
+    /// Rejects values of laws or effects that are out of range.
     fn check_ranges(&self, root: &Section, key: &str, library: &Library) -> Result<(), ModelError> {
         for (owner, table) in root.tables(key)? {
             for (name, entry) in table.entries() {
@@ -219,7 +220,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Adds those of the usual laws whose value no law of the model gives.
+    /// Adds the default laws whose value no law of the model gives.
     fn add_default_laws(&mut self, library: &Library) {
         for name in Library::default_laws(self.process) {
             let gives = |name: &str, value: Variable| {
@@ -248,7 +249,7 @@ impl Model {
         Ok(ranges)
     }
 
-    /// The unit of `effect.parameter` of this model.
+    /// Returns the unit of `effect.parameter` of this model.
     fn parameter(&self, path: &str, library: &Library) -> Result<super::unit::Unit, ()> {
         let (owner, name) = path.split_once('.').ok_or(())?;
         let mut parts = self.laws.iter().chain(&self.effects);
@@ -256,10 +257,10 @@ impl Model {
         library.find(owner).and_then(|effect| effect.parameter(name)).map(|parameter| parameter.unit).ok_or(())
     }
 
-    /// The laws of this model.
+    /// Returns the laws of this model.
     ///
     /// # Errors
-    /// An unknown law, or values that no law or more than one gives.
+    /// An unknown law, or a value that no law or more than one gives.
     pub fn resolve_laws<'l>(&self, library: &'l Library) -> Result<Vec<&'l Effect>, ModelError> {
         let laws = self.resolve(&self.laws, (Kind::Law, "law"), library)?;
         let values = match self.process {
@@ -275,7 +276,7 @@ impl Model {
         Ok(laws)
     }
 
-    /// The effects of this model in the order in which they act.
+    /// Returns the effects of this model in the order in which they act.
     ///
     /// # Errors
     /// An unknown effect, or one that does nothing in the process.
@@ -334,7 +335,7 @@ impl Model {
         Ok(())
     }
 
-    /// Whether fits may vary a parameter.
+    /// Returns true if fits may vary a parameter.
     pub(super) fn is_free(&self, path: &str, by_library: bool) -> bool {
         self.free.as_ref().map_or(by_library, |free| free.iter().any(|free| free == path))
     }
@@ -344,7 +345,7 @@ fn unknown_path(entry: &Entry, path: &str) -> EffectError {
     entry.unfit(format!("`{path}`"), "a parameter of this model, written as effect.parameter")
 }
 
-/// The parts under `law` or `effect`, with their values.
+/// Reads the parts under `law` or `effect`, with their values.
 fn parts(root: &Section, key: &str, library: &Library) -> Result<Vec<ModelPart>, ModelError> {
     let mut parts = Vec::new();
     for (name, table) in root.tables(key)? {

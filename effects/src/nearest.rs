@@ -1,9 +1,9 @@
-//! What a mistyped name was meant to be.
+//! Suggestions for mistyped names.
 
-/// Names that a message proposes at most.
+/// Greatest number of names that a message proposes.
 const MOST_PROPOSED: usize = 3;
 
-/// What to say of a name that is none of the known ones: the near ones, or all where none is near.
+/// Hint for an unknown name: the similar known names, or all known names if none is similar.
 pub fn hint(name: &str, known: &[&str]) -> String {
     let begun = known.iter().copied().filter(|known| name.len() >= 3 && known.starts_with(name));
     let mut proposed = near(name, known.iter().copied());
@@ -16,7 +16,7 @@ pub fn hint(name: &str, known: &[&str]) -> String {
     }
 }
 
-/// The names that a third of the letters makes of `name`, the nearest first.
+/// Returns the known names within an edit distance of a third of the letters of `name`, nearest first.
 pub(super) fn near<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Vec<&'n str> {
     let scored = known.map(|known| (distance(name, known), known));
     let mut near: Vec<_> = scored.filter(|(off, _)| *off <= name.len() / 3).collect();
@@ -24,7 +24,7 @@ pub(super) fn near<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Vec<
     near.into_iter().map(|(_, known)| known).collect()
 }
 
-/// Edits that turn one name into another (Levenshtein 1966).
+/// Edit distance between two names (Levenshtein 1966).
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,7 +1,7 @@
-//! The null value must be an exact identity: with it, an effect leaves every value as it was, to the last bit.
+//! The null value must be an exact identity: at it, an effect leaves every value unchanged to the last bit.
 //!
-//! The inputs are a fixed set: both ends of each variable's plausible range, zeros, and values between. States move along
-//! by their own formulas, from their initial values.
+//! The inputs are a fixed set: both ends of each variable's plausible range, zeros, and values between. States evolve
+//! by their own formulas from their initial values.
 
 use super::definition::{Effect, Parameter, Process};
 use super::error::{EffectError, Problem};
@@ -9,11 +9,11 @@ use super::interpret::Environment;
 use super::scope::Scope;
 use super::variable::{TABLE, VariableRow};
 
-/// Runs, each from the initial states.
+/// Number of runs, each from the initial states.
 const RUNS: u64 = 16;
-/// Steps of a run.
+/// Steps per run.
 const STEPS: u64 = 6;
-/// Length of a step [s].
+/// Duration of a step [s].
 const DURATION: f64 = 0.05;
 
 /// Checks that the effect vanishes at its null values.
@@ -28,7 +28,7 @@ pub fn check_null(effect: &Effect, laws: &[Effect]) -> Result<(), EffectError> {
     Ok(())
 }
 
-/// The null value, or one of the values that a parameter without one may take.
+/// Returns the null value, or one of the values of a parameter without a null value.
 fn null_value(parameter: &Parameter, process: Process, run: u64) -> f64 {
     let [low, high] = parameter.range.of(process);
     parameter.null.unwrap_or(match run % 3 {
@@ -77,13 +77,13 @@ fn check_run(
     Ok(())
 }
 
-/// Parameters of laws at their defaults.
+/// Default parameters of the laws.
 pub fn law_defaults(laws: &[Effect], process: Process) -> Vec<Vec<f64>> {
     let values = |law: &Effect| law.parameters.iter().map(|parameter| parameter.default.of(process)).collect();
     laws.iter().map(values).collect()
 }
 
-/// The `index`-th set of inputs, by variable.
+/// The `index`-th set of inputs, indexed by variable.
 pub fn probe(index: u64) -> Vec<f64> {
     let value = |(variable, row): (usize, &VariableRow)| {
         let [low, high] = row.probe;
@@ -98,7 +98,7 @@ pub fn probe(index: u64) -> Vec<f64> {
     TABLE.iter().enumerate().map(value).collect()
 }
 
-/// A fixed well-mixed function of whole numbers (splitmix64, Steele, Lea and Flood 2014).
+/// A deterministic mixing function of integers (splitmix64, Steele, Lea and Flood 2014).
 fn scramble(index: u64) -> u64 {
     let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,7 +1,7 @@
-//! The operations that formulas are made of, each on plain numbers.
+//! The elementary operations of formulas, on plain numbers.
 //!
-//! Both the interpreter and the lane programs call these, so they agree to the last bit. Transcendental functions
-//! are our own: the same bits on every machine, and simple enough to run over lanes.
+//! Both the interpreter and the lane programs call these, so their results agree to the last bit. Transcendental
+//! functions are implemented here: they give the same bits on every machine, and are simple enough for SIMD.
 
 use super::math;
 
@@ -28,7 +28,7 @@ pub enum Op {
     Equal,
     /// b if a is not 0, else c.
     If,
-    /// The lesser.
+    /// The smaller.
     Min,
     /// The greater.
     Max,
@@ -50,8 +50,7 @@ pub enum Op {
     Sign,
 }
 
-/// Functions by the name under which formulas call them, with their number of arguments. `min` and `max` take more
-/// than two as well.
+/// Functions by their name in formulas, with the number of arguments. `min` and `max` also take more than two.
 pub const FUNCTIONS: [(&str, Op, usize); 12] = [
     ("if", Op::If, 3),
     ("min", Op::Min, 2),
@@ -78,7 +77,7 @@ impl Op {
         }
     }
 
-    /// Its value; arguments beyond [`Op::arity`] are ignored.
+    /// Evaluates it; arguments beyond [`Op::arity`] are ignored.
     pub fn apply(self, [a, b, c]: [f64; 3]) -> f64 {
         match self {
             Self::Add => a + b,
@@ -129,26 +128,26 @@ fn truth(holds: bool, a: f64, b: f64) -> f64 {
     if a.is_nan() | b.is_nan() { f64::NAN } else { answer }
 }
 
-/// b if a is not 0, else c; NaN if a is.
+/// b if a is not 0, else c; NaN if a is NaN.
 #[inline(always)]
 pub fn select(a: f64, b: f64, c: f64) -> f64 {
     let chosen = if a == 0.0 { c } else { b };
     if a.is_nan() { a } else { chosen }
 }
 
-/// The lesser; NaN if either is, unlike [`f64::min`], so that no fault is hidden.
+/// The smaller; NaN if either is NaN, unlike [`f64::min`], so that no fault is hidden.
 #[inline(always)]
 pub fn min(a: f64, b: f64) -> f64 {
     if (a < b) | a.is_nan() { a } else { b }
 }
 
-/// The greater; NaN if either is, unlike [`f64::max`], so that no fault is hidden.
+/// The greater; NaN if either is NaN, unlike [`f64::max`], so that no fault is hidden.
 #[inline(always)]
 pub fn max(a: f64, b: f64) -> f64 {
     if (a > b) | a.is_nan() { a } else { b }
 }
 
-/// −1, 0 or 1; NaN stays.
+/// −1, 0 or 1; NaN for NaN.
 #[inline(always)]
 pub fn sign(a: f64) -> f64 {
     let positive = if a > 0.0 { 1.0 } else { a * 0.0 };

@@ -1,9 +1,9 @@
-//! Laws and effects as people and machines read them. Values are in the units of their files.
+//! Laws and effects formatted for reading and as JSON. Values are in the units of their files.
 
 use crate::{Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State};
 use serde::Serialize;
 
-/// A law or effect for machines.
+/// A law or effect for JSON.
 #[derive(Debug, Serialize)]
 pub struct EffectAnswer {
     name: String,
@@ -21,13 +21,13 @@ pub struct EffectAnswer {
 
 #[derive(Debug, Serialize)]
 struct FormulaAnswer {
-    /// The hook, where the formula stands at one.
+    /// The hook of the formula, if any.
     hook: Option<&'static str>,
     value: String,
     formula: String,
 }
 
-/// Infinite numbers are texts, which JSON has no numbers for.
+/// A parameter for JSON. Infinite numbers are texts, because JSON has no number for them.
 #[derive(Debug, Serialize)]
 struct ParameterAnswer {
     name: String,
@@ -59,7 +59,7 @@ struct StateAnswer {
 }
 
 impl EffectAnswer {
-    /// Everything that the file states.
+    /// Collects everything that the file states.
     pub fn new(effect: &Effect) -> Self {
         let formulas = effect.changes.iter().map(|change| FormulaAnswer {
             hook: Some(change.hook.name()),
@@ -142,7 +142,7 @@ fn motion(state: &State) -> String {
     }
 }
 
-/// A law or effect for people: what each paragraph is about, and the paragraph.
+/// Describes a law or effect as paragraphs, each with its topic.
 pub fn describe(effect: &Effect) -> Vec<(&'static str, String)> {
     let answer = EffectAnswer::new(effect);
     let mut page = vec![(answer.kind, format!("{}: {}", answer.name, answer.title))];

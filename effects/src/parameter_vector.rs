@@ -1,11 +1,11 @@
-//! The parameters of a model as one flat list of numbers, as fits need them.
+//! The parameters of a model as one flat vector, as fits need it.
 
 use super::accepted::Accepted;
 use super::definition::{Effect, Parameter, Process, Rows, Scale};
 use super::model::{Model, ModelError};
 use super::unit::Unit;
 
-/// How many values parameters have that differ from pass to pass or from scan to scan.
+/// Number of values of parameters that differ between passes or between scans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowCounts {
     /// Passes of the campaign.
@@ -20,50 +20,50 @@ impl Default for RowCounts {
     }
 }
 
-/// One number of a model. Values are in SI units.
+/// One entry of the parameter vector. Values are in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterSlot {
     /// Law or effect.
     pub owner: String,
-    /// Parameter of it.
+    /// Name of the parameter.
     pub parameter: String,
-    /// Which pass or scan, from 0, if it differs between them.
+    /// Index of the pass or scan, from 0, if the value differs between them.
     pub row: Option<usize>,
-    /// Unit for people.
+    /// Unit in files and tables.
     pub unit: Unit,
     /// The unit as written.
     pub unit_text: String,
-    /// Value at which the effect vanishes.
+    /// Null value.
     pub null: Option<f64>,
-    /// Plausible values: those that the library lists, or those that the model states.
+    /// Plausible values: the library's range, or the model's.
     pub range: [f64; 2],
-    /// Whether the model states its range: then no fit goes beyond it.
+    /// True if the model states the range: no fit then leaves it.
     pub is_range_stated: bool,
-    /// How to vary it.
+    /// Scale on which it is varied.
     pub scale: Scale,
     /// Typical value.
     pub default: f64,
-    /// Whether the model lets fits vary it.
+    /// True if the model lets fits vary it.
     pub free: bool,
-    /// Whether it belongs to a base law.
+    /// True if it belongs to a base law.
     pub is_law: bool,
 }
 
 impl ParameterSlot {
-    /// `effect.parameter`, with `[2]` after it for the second pass or scan.
+    /// `effect.parameter`, followed by `[2]` for the second pass or scan.
     pub fn name(&self) -> String {
         let row = self.row.map_or(String::new(), |row| format!("[{}]", row + 1));
         format!("{}.{}{row}", self.owner, self.parameter)
     }
 
-    /// The values that it may be given.
+    /// Values that it may take.
     pub fn accepted(&self) -> Accepted<'_> {
         let Self { range, null, default, unit, ref unit_text, .. } = *self;
         Accepted { range, null, default, unit, unit_text }
     }
 }
 
-/// Slots in the making.
+/// Builder of the parameter vector.
 pub(super) struct Slots<'a> {
     model: &'a Model,
     rows: RowCounts,
@@ -76,7 +76,7 @@ impl<'a> Slots<'a> {
         Self { model, rows, slots: Vec::new(), values: Vec::new() }
     }
 
-    /// Adds the parameters of a law or effect. Returns the place of the first row of each.
+    /// Adds the parameters of a law or effect. Returns the index of the first row of each.
     pub(super) fn add(&mut self, effect: &Effect) -> Result<Vec<usize>, ModelError> {
         self.model.check_values(effect)?;
         Ok(effect.parameters.iter().map(|parameter| self.add_parameter(effect, parameter)).collect())
@@ -114,7 +114,7 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// One number stands for all rows; of a list, each row has its own, and rows beyond it are at null.
+/// Value of a row. A single number applies to all rows; in a list each row has its own, and further rows are at null.
 fn row_value(given: &[f64], row: usize, parameter: &Parameter, process: Process) -> f64 {
     let default = parameter.default.of(process);
     match given {

@@ -1,4 +1,4 @@
-//! Formula text to tree, by recursive descent.
+//! Parses formula text to a tree, by recursive descent.
 //!
 //! ```text
 //! comparison = sum [ ("<" | "<=" | ">" | ">=" | "==" | "!=") sum ]
@@ -17,30 +17,30 @@ use super::op::{FUNCTIONS, Op};
 use super::syntax::{Expr, Node};
 use super::unit::Unit;
 
-/// Brackets may be nested this deep.
+/// Greatest nesting depth of brackets.
 const MOST_DEEP: usize = 64;
-/// Nodes that a formula may have.
+/// Greatest number of nodes of a formula.
 const MOST_NODES: usize = 4096;
 
-/// Whole powers up to this become products.
+/// Greatest integer power that is expanded to products.
 const MOST_FACTORS: f64 = 16.0;
 
-/// Why a text is no formula.
+/// Reason why a text is not a formula.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, {expected} is expected")]
 pub struct SyntaxError {
-    /// Bytes of the text.
+    /// Byte range of the text.
     pub span: Range<usize>,
-    /// What stands there.
+    /// Text found there.
     pub found: String,
-    /// What would be accepted.
+    /// Accepted text.
     pub expected: String,
 }
 
-/// Reads a formula.
+/// Parses a formula.
 ///
 /// # Errors
-/// The first place where the text is no formula.
+/// The first position at which the text is not a formula.
 pub fn parse(text: &str) -> Result<Expr, SyntaxError> {
     let mut parser = Parser { text, at: 0, depth: 0, operators: 0 };
     let formula = parser.comparison()?;
@@ -62,7 +62,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    /// What is left, without leading blanks.
+    /// Remaining text, without leading blanks.
     fn rest(&mut self) -> &'a str {
         let rest = &self.text[self.at..];
         let trimmed = rest.trim_start();
@@ -85,7 +85,7 @@ impl<'a> Parser<'a> {
         SyntaxError { span: self.at..self.at + length, found, expected: expected.into() }
     }
 
-    /// A long row of operators is a deep tree.
+    /// Counts operators, because a long row of them makes a deep tree.
     fn count_operator(&mut self) -> Result<(), SyntaxError> {
         self.operators += 1;
         if self.operators <= MOST_NODES { Ok(()) } else { Err(self.unexpected("the end of so long a formula")) }
@@ -236,7 +236,7 @@ impl<'a> Parser<'a> {
         Ok(Expr { node: Node::Number(value, dimension), span: start..self.at })
     }
 
-    /// The unit after a number, if one stands there.
+    /// Parses the unit after a number, if there is one.
     fn unit(&mut self) -> Result<Option<Unit>, SyntaxError> {
         let rest = self.rest();
         let start = self.at;
@@ -269,7 +269,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Length of `e-3` after a number, 0 if there is none: `2 e` would be a unit's place.
+/// Length of an exponent such as `e-3` after a number; 0 if there is none, as in `2 e`, where a unit is expected.
 fn exponent_length(rest: &str) -> usize {
     let Some(after) = rest.strip_prefix(['e', 'E']) else {
         return 0;
@@ -292,7 +292,7 @@ fn binary(op: Op, left: Expr, right: Expr) -> Expr {
     Expr { node: Node::Apply(op, vec![left, right]), span }
 }
 
-/// `min(a, b, c)` as `min(min(a, b), c)`.
+/// Folds `min(a, b, c)` to `min(min(a, b), c)`.
 fn folded(op: Op, arguments: Vec<Expr>) -> Expr {
     if op.arity() != 2 {
         let span = 0..0;
@@ -303,7 +303,7 @@ fn folded(op: Op, arguments: Vec<Expr>) -> Expr {
     arguments.fold(first, |folded, argument| binary(op, folded, argument))
 }
 
-/// `clamp(x, low, high)` as `min(max(x, low), high)`.
+/// Expands `clamp(x, low, high)` to `min(max(x, low), high)`.
 fn clamped(arguments: Vec<Expr>) -> Expr {
     let mut arguments = arguments.into_iter();
     let mut next = || arguments.next().expect("clamp has three arguments");
@@ -311,7 +311,7 @@ fn clamped(arguments: Vec<Expr>) -> Expr {
     binary(Op::Min, binary(Op::Max, x, low), high)
 }
 
-/// Powers with a small whole exponent are products, which keep exact values exact; a power of one half is a root.
+/// Expands small integer powers to products, which keep exact values exact; the power one half becomes a square root.
 fn raised(base: Expr, exponent: Expr) -> Expr {
     let span = base.span.start..exponent.span.end;
     let whole = |power: f64| power.abs() <= MOST_FACTORS && power == power.trunc() && power != 0.0;

@@ -1,4 +1,4 @@
-//! A graph laid out as two straight programs: one that runs once per step, one that runs over lanes.
+//! A graph scheduled as two straight-line programs: one runs once per step, the other over lanes.
 
 use super::definition::Rows;
 use super::graph::{Graph, Id, Load, Node};
@@ -6,17 +6,17 @@ use super::inputs::StepValues;
 use super::op::Op;
 use super::variable::Variable;
 
-/// Registers of lanes that a program may use.
+/// Greatest number of lane registers of a program.
 pub const MOST_REGISTERS: usize = 128;
-/// Lane variables and states that a program may read.
+/// Greatest number of lane variables and states that a program reads.
 pub const MOST_INPUTS: usize = 64;
 
-/// Where an operation of the lane program finds an argument.
+/// Source of an argument of the lane program.
 #[derive(Clone, Copy, Debug)]
 pub enum Operand {
     /// A result of the step program.
     Scalar(u32),
-    /// A slice that is handed in.
+    /// An input slice.
     Input(u32),
     /// A register.
     Register(u32),
@@ -29,31 +29,31 @@ pub enum Input {
     Variable(Variable),
     /// A state of the workpiece cells.
     CellState(usize),
-    /// A state of the tool cells, where they are the lanes.
+    /// A state of the tool cells, if they are the lanes.
     OwnToolCell(usize),
 }
 
-/// What an operation of the lane program does.
+/// Operation of the lane program.
 #[derive(Clone, Copy, Debug)]
 pub enum LaneOp {
-    /// Computes.
+    /// Computes a value.
     Apply(Op),
     /// Reads a state of the tool cell over the lane.
     ToolCellOver(usize),
 }
 
-/// One operation of the lane program.
+/// One instruction of the lane program.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneStep {
-    /// What to do.
+    /// The operation.
     pub op: LaneOp,
-    /// With what.
+    /// Its arguments.
     pub arguments: [Operand; 3],
-    /// Register of the result, never that of an argument.
+    /// Register of the result; always different from the arguments' registers.
     pub to: usize,
 }
 
-/// The programs of one place.
+/// The programs of one hook.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// The step program.
@@ -62,13 +62,13 @@ pub struct Program {
     pub inputs: Vec<Input>,
     /// The lane program.
     pub steps: Vec<LaneStep>,
-    /// Where the results are.
+    /// Locations of the results.
     pub outputs: Vec<Operand>,
-    /// Registers in use.
+    /// Number of registers.
     pub registers: usize,
 }
 
-/// What the step program reads.
+/// Inputs of the step program.
 pub struct ScalarInputs<'a> {
     /// All parameters [SI].
     pub parameters: &'a [f64],
@@ -81,7 +81,7 @@ pub struct ScalarInputs<'a> {
 }
 
 impl Program {
-    /// Lays out the part of a graph on which `outputs` depend.
+    /// Schedules the part of a graph on which `outputs` depend.
     pub fn new(graph: &Graph, outputs: &[Id]) -> Self {
         let reached = graph.reached(outputs);
         let mut layout = Layout::new(graph, &reached, outputs);
@@ -93,7 +93,7 @@ impl Program {
         Self { scalars, inputs, steps, outputs, registers }
     }
 
-    /// The variables that the programs read.
+    /// Variables that the programs read.
     pub fn variables(&self) -> Vec<Variable> {
         let step = self.scalars.iter().filter_map(|node| match node {
             Node::Load(Load::Step(variable)) => Some(*variable),
@@ -108,7 +108,7 @@ impl Program {
         variables
     }
 
-    /// Whether the lane program reads the tool cell over each lane.
+    /// True if the lane program reads the tool cell over each lane.
     pub fn reads_tool_cell_over(&self) -> bool {
         self.steps.iter().any(|step| matches!(step.op, LaneOp::ToolCellOver(_)))
     }
@@ -150,7 +150,7 @@ struct Layout<'a> {
     graph: &'a Graph,
     /// For each node, the last node that reads it; outputs are read at the end.
     last_use: Vec<Id>,
-    /// Where each node is, once it is placed.
+    /// Location of each node, once it is assigned.
     places: Vec<Option<Operand>>,
     free: Vec<usize>,
     scalars: Vec<Node>,
@@ -217,7 +217,7 @@ impl<'a> Layout<'a> {
             self.registers += 1;
             self.registers - 1
         });
-        // Freed only now, so that the result never overwrites an argument while it is read.
+        // Freed only now, so that the result never overwrites an argument that is being read.
         for (index, argument) in arguments.iter().enumerate() {
             if let Operand::Register(register) = operands[index]
                 && self.last_use[*argument as usize] == id

@@ -1,4 +1,4 @@
-//! An effect's file to [`Effect`]: keys, values, units and formulas. What the formulas mean is checked in `check`.
+//! Reads an effect's file to an [`Effect`]: keys, values, units and formulas. `check` verifies the formulas.
 
 use super::definition::{
     ByProcess, Change, Definition, Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
@@ -8,10 +8,10 @@ use super::toml_text::{Bare, Entry, Section, Source, named};
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
 
-/// Parts of all formulas of a file together: each is evaluated for every cell of every step, and the longest of the
-/// program's own files has a tenth of it.
+/// Greatest total number of nodes in a file's formulas: each is evaluated for every cell of every step. The longest
+/// built-in file has a tenth of it.
 const MOST_PARTS: usize = 4096;
-/// Entries of `[parameters]`, of `[let]` and of `[state]`, each.
+/// Greatest number of entries of each of `[parameters]`, `[let]` and `[state]`.
 const MOST_ENTRIES: usize = 256;
 
 const KEYS: [&str; 11] =
@@ -61,7 +61,7 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
     Ok(effect)
 }
 
-/// Refuses a table with too many entries.
+/// Rejects a table with too many entries.
 fn bounded(root: &Section, key: &str) -> Result<(), EffectError> {
     let Some(entry) = root.get(key) else { return Ok(()) };
     match entry.section()?.entries().count() {
@@ -87,7 +87,7 @@ fn process(root: &Section) -> Result<Option<Process>, EffectError> {
     Process::from_name(name).map(Some).ok_or_else(|| entry.unfit(format!("`{name}`"), "grinding or sanding"))
 }
 
-/// A name that formulas can use.
+/// Returns a name if formulas can use it.
 fn formula_name(name: &str, table: &Section) -> Result<String, EffectError> {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(fits) {
@@ -163,7 +163,7 @@ fn middle([low, high]: [f64; 2], scale: Scale) -> f64 {
     }
 }
 
-/// One value, or a table `{ grinding = …, sanding = … }`.
+/// Reads one value, or a table `{ grinding = …, sanding = … }`.
 fn by_process<T: Copy>(
     entry: &Entry,
     read: impl Fn(&Entry) -> Result<T, EffectError>,

@@ -1,4 +1,4 @@
-//! What the names of a formula stand for, and of which physical dimension it is.
+//! Resolves the names of a formula and finds its physical dimension.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use super::op::Op;
 use super::syntax::{Expr, Node};
 use super::variable::{Hook, Variable};
 
-/// What a name stands for.
+/// Meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Symbol {
     /// A parameter of the effect.
@@ -20,42 +20,42 @@ pub enum Symbol {
     Definition(usize),
     /// A state of the effect.
     State(usize),
-    /// What the simulator hands in.
+    /// A variable that the simulator supplies.
     Variable(Variable),
-    /// A parameter of a base law: law, parameter.
+    /// A parameter of a base law: index of the law, index of the parameter.
     Law(usize, usize),
 }
 
-/// The names that formulas of an effect may use at a place.
+/// Names that formulas of an effect may use at a hook.
 #[derive(Clone, Copy)]
 pub struct Scope<'a> {
     /// The effect.
     pub effect: &'a Effect,
-    /// Where its formula is evaluated.
+    /// Hook at which its formula is evaluated.
     pub place: Hook,
     /// Base laws whose parameters are visible.
     pub laws: &'a [Effect],
-    /// The only process that gets here; nothing: every process in which the effect acts.
+    /// The only process that reaches the hook; `None` for every process in which the effect acts.
     process: Option<Process>,
 }
 
 type Located<T> = Result<T, EffectError>;
 
-/// Dimensions of the definitions that were met, so that each is found once.
+/// Dimensions of definitions found so far, so that each is computed once.
 type Found = BTreeMap<usize, Option<Dimension>>;
 
 impl<'a> Scope<'a> {
-    /// The names for any process.
+    /// Names for any process.
     pub fn new(effect: &'a Effect, place: Hook, laws: &'a [Effect]) -> Self {
         Self { effect, place, laws, process: None }
     }
 
-    /// The names for one process.
+    /// Names for one process.
     pub fn within(self, process: Process) -> Self {
         Self { process: Some(process), ..self }
     }
 
-    /// What `name` stands for here.
+    /// Resolves `name` here.
     pub fn find(&self, name: &str) -> Option<Symbol> {
         let effect = self.effect;
         let parameter = effect.parameters.iter().position(|parameter| parameter.name == name).map(Symbol::Parameter);
@@ -66,12 +66,12 @@ impl<'a> Scope<'a> {
         parameter.or_else(definition).or_else(state).or_else(variable).or_else(|| self.find_in_laws(name))
     }
 
-    /// Whether the scope's process gets here at all.
+    /// True if the scope's process has this hook.
     pub fn is_reached(&self) -> bool {
         self.process.is_none_or(|process| process.has(self.place))
     }
 
-    /// A law's parameter is visible if the laws of every process that gets here have it.
+    /// Finds a law's parameter; it is visible if the laws of every process with this hook have it.
     fn find_in_laws(&self, name: &str) -> Option<Symbol> {
         let of = |process: Process| {
             self.laws.iter().enumerate().filter(|(_, law)| law.acts_in(process)).find_map(|(index, law)| {
@@ -86,7 +86,7 @@ impl<'a> Scope<'a> {
         found.all(|other| other.is_some()).then_some(first)
     }
 
-    /// Names with units, as messages list them.
+    /// Names with units, for messages.
     pub fn available(&self) -> String {
         let effect = self.effect;
         let parameters =
@@ -109,7 +109,7 @@ impl<'a> Scope<'a> {
         names.join(", ")
     }
 
-    /// An error at a part of one of the effect's formulas.
+    /// Makes an error at a part of one of the effect's formulas.
     pub fn error(&self, formula: &Formula, span: &Range<usize>, problem: Problem) -> EffectError {
         let (line, column) = self.effect.line_column(formula.start + span.start);
         let (file, key) = (self.effect.file.clone(), formula.key.clone());
@@ -135,12 +135,12 @@ impl<'a> Scope<'a> {
         near(name, names.split(", ").filter_map(|shown| shown.split(' ').next())).first().map(|near| (*near).to_owned())
     }
 
-    /// The dimension of a formula; nothing for a zero, which fits any.
+    /// Returns the dimension of a formula; `None` for zero, which fits any dimension.
     pub fn dimension(&self, formula: &Formula) -> Located<Option<Dimension>> {
         self.dimension_of(formula, &formula.tree, &mut Found::new())
     }
 
-    /// Checks that a formula has a dimension.
+    /// Checks that a formula has the expected dimension.
     pub fn expect(&self, formula: &Formula, expected: Dimension, of: &str) -> Located<()> {
         match self.dimension(formula)? {
             Some(found) if found != expected => {
@@ -265,7 +265,7 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// Parts of a state's motion with the dimension each must have.
+/// Formulas of a state's evolution, each with its required dimension and a description.
 pub fn motion_formulas(state: &State) -> Vec<(&Formula, Dimension, String)> {
     let second = Dimension::whole([0, 0, 1, 0]);
     let unit = state.unit.dimension;

@@ -1,4 +1,4 @@
-//! What the tool remembers: states of the whole tool and of each of its cells.
+//! States of the tool: of the whole tool and of each of its cells.
 
 use super::call::Call;
 use super::compiled::CompiledModel;
@@ -11,13 +11,13 @@ use super::variable::Hook;
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
     pub(super) tool: Vec<f64>,
-    /// One list over the cells for each state.
+    /// For each state, one value per cell.
     pub(super) tool_cells: Vec<Vec<f64>>,
     scratch: Vec<Vec<f64>>,
 }
 
 impl States {
-    /// A fresh tool with so many cells.
+    /// States of a fresh tool with this number of cells.
     pub fn new(model: &CompiledModel, tool_cells: usize) -> Self {
         let initial = |holder: Holder| {
             let list = model.structure.states.of(holder).iter();
@@ -28,7 +28,7 @@ impl States {
         Self { tool: initial(Holder::Tool), scratch: cells.clone(), tool_cells: cells }
     }
 
-    /// A tool as [`States::values`] told of it; `None` where the numbers of states and cells are not the model's.
+    /// Restores a tool from [`States::values`]; `None` if the numbers of states or cells do not match the model's.
     pub fn restored(model: &CompiledModel, (tool, tool_cells): (Vec<f64>, Vec<Vec<f64>>)) -> Option<Self> {
         let of = |holder| model.structure.states.of(holder).len();
         let fits = tool.len() == of(Holder::Tool) && tool_cells.len() == of(Holder::ToolCell);
@@ -36,24 +36,24 @@ impl States {
         (fits && even).then(|| Self { tool, scratch: tool_cells.clone(), tool_cells })
     }
 
-    /// States of the tool, and for each state of its cells a list over them [SI], in the order of the model.
+    /// States of the tool, and for each state of its cells a list over the cells [SI], in the order of the model.
     pub fn values(&self) -> (&[f64], &[Vec<f64>]) {
         (&self.tool, &self.tool_cells)
     }
 
-    /// Sets a state of the tool to what was measured [SI], within the state's bounds.
+    /// Sets a state of the tool to a measured value [SI], clamped to the state's bounds.
     ///
-    /// - `index`: its place among those of [`States::values`]
+    /// - `index`: index in the tool's states of [`States::values`]
     ///
     /// # Panics
-    /// Where there is no such state.
+    /// If there is no such state.
     pub fn measure(&mut self, model: &CompiledModel, index: usize, value: f64) {
         let (part, state) = model.structure.states.of(Holder::Tool)[index];
         let [least, greatest] = model.structure.part(part).effect.states[state].bounds;
         self.tool[index] = value.max(least).min(greatest);
     }
 
-    /// Returns the states to their initial values that an event resets. A new trial is also a new pass; dressing the
+    /// Resets the states that an event resets to their initial values. A new trial is also a new pass; dressing the
     /// tool is neither.
     pub fn reset(&mut self, model: &CompiledModel, event: Reset) {
         let resets = |reset: Reset| reset == event || (event == Reset::Trial && reset == Reset::Pass);
@@ -71,11 +71,12 @@ impl States {
         }
     }
 
-    /// Moves all states on by `elapsed` [s]. `step` holds the values of the step that is done, `tool_lanes` those of the
+    /// Advances all states by `elapsed` [s]. `step` holds the values of the completed step, `tool_lanes` those of the
     /// tool cells.
     ///
     /// # Errors
-    /// A formula that gives no finite number, or lanes of another number than cells; the states are then as before.
+    /// A formula whose result is not finite, or a number of lanes other than that of cells; the states are then
+    /// unchanged.
     pub fn advance(
         &mut self,
         model: &CompiledModel,
@@ -106,13 +107,13 @@ impl States {
         (0..self.tool.len()).map(|index| call.scalar(index)).collect()
     }
 
-    /// A state of the tool by `effect.state` [SI].
+    /// Value of a tool state `effect.state` [SI].
     pub fn tool_state(&self, model: &CompiledModel, name: &str) -> Option<f64> {
         let index = position(model, Holder::Tool, name)?;
         Some(self.tool[index])
     }
 
-    /// A state of the tool cells by `effect.state` [SI].
+    /// Values of a tool cell state `effect.state` [SI].
     pub fn tool_cell_state(&self, model: &CompiledModel, name: &str) -> Option<&[f64]> {
         let index = position(model, Holder::ToolCell, name)?;
         Some(&self.tool_cells[index])

@@ -1,23 +1,23 @@
-//! Formulas as trees, each node with its place in the text.
+//! Syntax trees of formulas, each node with its position in the text.
 
 use std::ops::Range;
 
 use super::dimension::Dimension;
 use super::op::Op;
 
-/// A formula or a part of it.
+/// A formula or a subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
-    /// What it is.
+    /// Kind and contents.
     pub node: Node,
-    /// Its bytes in the formula's text.
+    /// Byte range in the formula's text.
     pub span: Range<usize>,
 }
 
-/// Kinds of formula.
+/// Kinds of node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Node {
-    /// A number [SI]. Zero without a unit has no dimension of its own: it fits any.
+    /// A number [SI]. Zero without a unit fits any dimension.
     Number(f64, Option<Dimension>),
     /// A variable, parameter, state or definition.
     Name(String),
@@ -26,7 +26,7 @@ pub enum Node {
 }
 
 impl Expr {
-    /// The names that occur in it, in the order of the text, with repetitions.
+    /// Names that occur in it, in the order of the text, with repetitions.
     pub fn names(&self) -> Vec<(&str, Range<usize>)> {
         let mut names = Vec::new();
         self.collect_names(&mut names);
@@ -49,7 +49,7 @@ impl Expr {
         }
     }
 
-    /// The value of a formula of plain numbers.
+    /// Value of a formula that is a plain number.
     pub fn literal(&self) -> Option<f64> {
         match &self.node {
             Node::Number(value, None | Some(Dimension::NONE)) => Some(*value),

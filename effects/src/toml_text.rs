@@ -1,4 +1,4 @@
-//! Reading tables of a TOML text so that every complaint names file, line and key.
+//! Reads tables of a TOML text so that every error names file, line and key.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::error::{EffectError, Problem};
 use super::parse::parse;
 use super::unit::Unit;
 
-/// Characters of a number and its unit that a message repeats.
+/// Greatest number of characters of a quantity that a message quotes.
 const MOST_QUANTITY: usize = 24;
 
 /// A text and its name, for messages.
@@ -19,12 +19,12 @@ const MOST_QUANTITY: usize = 24;
 pub struct Source<'a> {
     /// Name of the file.
     pub file: &'a str,
-    /// The file.
+    /// Text of the file.
     pub text: &'a str,
 }
 
 impl<'a> Source<'a> {
-    /// Reads the text as TOML.
+    /// Parses the text as TOML.
     pub fn document(self) -> Result<Document<&'a str>, EffectError> {
         Document::parse(self.text).map_err(|error| {
             let reason = without_content(&error.message().replace('\n', ", "));
@@ -32,7 +32,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// An error at a byte of the text.
+    /// Makes an error at a byte offset of the text.
     pub fn error(self, byte: usize, key: &str, problem: Problem) -> EffectError {
         let (line, column) = line_column(self.text, byte);
         let key = if key.is_empty() { "the file".to_owned() } else { key.to_owned() };
@@ -40,7 +40,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// A table of the file, with the key under which it stands.
+/// A table of the file, with its key.
 pub struct Section<'a> {
     source: Source<'a>,
     table: &'a dyn TableLike,
@@ -54,13 +54,13 @@ pub struct Entry<'a> {
     pub source: Source<'a>,
     /// Dotted key from the top of the file.
     pub key: String,
-    /// Where the value stands.
+    /// Byte range of the value.
     pub span: Range<usize>,
     item: &'a Item,
 }
 
 impl<'a> Section<'a> {
-    /// The whole file.
+    /// The whole file as a table.
     pub fn root(source: Source<'a>, document: &'a Document<&'a str>) -> Self {
         Self { source, table: document.as_table(), key: String::new(), start: 0 }
     }
@@ -69,7 +69,7 @@ impl<'a> Section<'a> {
         if self.key.is_empty() { name.to_owned() } else { format!("{}.{name}", self.key) }
     }
 
-    /// Refuses keys other than these.
+    /// Rejects keys other than these.
     pub fn accept(&self, accepted: &[&str]) -> Result<(), EffectError> {
         match self.entries().find(|(name, _)| !accepted.contains(name)) {
             None => Ok(()),
@@ -89,29 +89,29 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// The entry of this name, if there is one.
+    /// Returns the entry of this name, if there is one.
     pub fn get(&self, name: &str) -> Option<Entry<'a>> {
         self.entries().find(|(key, _)| *key == name).map(|(_, entry)| entry)
     }
 
-    /// The entry of this name.
+    /// Returns the entry of this name, or an error if it is missing.
     pub fn need(&self, name: &str) -> Result<Entry<'a>, EffectError> {
         self.get(name)
             .ok_or_else(|| self.source.error(self.start, &self.dotted(name), Problem::Missing(name.to_owned())))
     }
 
-    /// A text, or nothing.
+    /// Reads a text; `None` if the entry is missing.
     pub fn optional_text(&self, name: &str) -> Result<Option<String>, EffectError> {
         self.get(name).map(|entry| entry.text().map(str::to_owned)).transpose()
     }
 
-    /// The tables within the table `name`, in the order of the file.
+    /// Tables within the table `name`, in the order of the file.
     pub fn tables(&self, name: &str) -> Result<Vec<(&'a str, Section<'a>)>, EffectError> {
         let Some(entry) = self.get(name) else { return Ok(Vec::new()) };
         entry.section()?.entries().map(|(key, entry)| Ok((key, entry.section()?))).collect()
     }
 
-    /// One of a list of words, or the first of them.
+    /// Reads one of a list of words; the first is the default.
     pub fn choice<T: Copy>(&self, name: &str, words: &[(&str, T)]) -> Result<T, EffectError> {
         let Some(entry) = self.get(name) else { return Ok(words[0].1) };
         let found = entry.text()?;
@@ -121,7 +121,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// An error about the table as a whole.
+    /// Makes an error about the table as a whole.
     pub fn error(&self, problem: Problem) -> EffectError {
         self.source.error(self.start, &self.key, problem)
     }
@@ -133,12 +133,12 @@ impl<'a> Section<'a> {
 }
 
 impl<'a> Entry<'a> {
-    /// An error about this entry.
+    /// Makes an error about this entry.
     pub fn error(&self, problem: Problem) -> EffectError {
         self.source.error(self.span.start, &self.key, problem)
     }
 
-    /// An error about a value that does not fit.
+    /// Makes an error about a value that is not accepted.
     pub fn unfit(&self, found: impl Into<String>, expected: impl Into<String>) -> EffectError {
         self.error(Problem::Value { found: found.into(), expected: expected.into() })
     }
@@ -148,35 +148,35 @@ impl<'a> Entry<'a> {
         self.source.text.get(self.span.start..end).filter(|text| !text.is_empty()).unwrap_or("a table").to_owned()
     }
 
-    /// As text.
+    /// Reads the entry as text.
     pub fn text(&self) -> Result<&'a str, EffectError> {
         self.item.as_str().ok_or_else(|| self.unfit(self.found(), "a text in quotes"))
     }
 
-    /// As a list of texts.
+    /// Reads the entry as a list of texts.
     pub fn texts(&self) -> Result<Vec<String>, EffectError> {
         let refuse = || self.unfit(self.found(), "a list of texts in quotes");
         let array = self.item.as_array().ok_or_else(refuse)?;
         array.iter().map(|value| value.as_str().map(str::to_owned).ok_or_else(refuse)).collect()
     }
 
-    /// As yes or no.
+    /// Reads the entry as true or false.
     pub fn truth(&self) -> Result<bool, EffectError> {
         self.item.as_bool().ok_or_else(|| self.unfit(self.found(), "true or false"))
     }
 
-    /// As a table.
+    /// Reads the entry as a table.
     pub fn section(&self) -> Result<Section<'a>, EffectError> {
         let table = self.item.as_table_like().ok_or_else(|| self.unfit(self.found(), "a table"))?;
         Ok(Section { source: self.source, table, key: self.key.clone(), start: self.span.start })
     }
 
-    /// Whether it is a table.
+    /// True if it is a table.
     pub fn is_table(&self) -> bool {
         self.item.is_table_like()
     }
 
-    /// As one quantity [SI] or a list of them. `unit` is that of plain numbers.
+    /// Reads the entry as one quantity [SI] or a list of them. `unit` is that of plain numbers.
     pub fn quantities(&self, unit: Unit, bare: Bare) -> Result<Vec<f64>, EffectError> {
         match self.item.as_value() {
             Some(Value::Array(array)) => array.iter().map(|value| self.quantity_of(value, unit, bare)).collect(),
@@ -185,7 +185,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// As one quantity [SI].
+    /// Reads the entry as one quantity [SI].
     pub fn quantity(&self, unit: Unit, bare: Bare) -> Result<f64, EffectError> {
         match self.item.as_value() {
             Some(value) => self.quantity_of(value, unit, bare),
@@ -208,11 +208,11 @@ impl<'a> Entry<'a> {
         parse_quantity(text, unit).map_err(|problem| self.error(problem))
     }
 
-    /// As a formula.
+    /// Reads the entry as a formula.
     pub fn formula(&self) -> Result<Formula, EffectError> {
         let text = self.text()?;
         let raw = self.source.text.get(self.span.clone()).unwrap_or_default();
-        // Escapes would shift places; formulas have no use for them.
+        // Escape sequences would shift positions; formulas need none.
         let start = self.span.start + raw.find(text).unwrap_or(0);
         let tree = parse(text)
             .map_err(|error| self.source.error(start + error.span.start, &self.key, Problem::Syntax(error)))?;
@@ -220,21 +220,21 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// A word of the file, as much of it as a message may repeat.
+/// Quotes a word of the file, shortened for a message.
 pub(super) fn named(found: &str, accepted: &[&str]) -> String {
     quoted_near(found, accepted.iter().copied()).replace('"', "`")
 }
 
-/// What a number without a unit means.
+/// Interpretation of a number without a unit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Bare {
-    /// It is in the unit of the parameter.
+    /// The number is in the unit of the parameter.
     InUnit,
-    /// It is refused, unless the unit is 1.
+    /// The number is rejected, unless the unit is 1.
     Refused,
 }
 
-/// Reads `350 mm^3` as SI value of the dimension of `unit`.
+/// Parses text such as `350 mm^3` to an SI value of the dimension of `unit`.
 pub fn parse_quantity(text: &str, unit: Unit) -> Result<f64, Problem> {
     let text = text.trim();
     let shown = if text.len() <= MOST_QUANTITY { format!("`{text}`") } else { measured(text) };

@@ -1,4 +1,4 @@
-//! Units as people write them: `mm^3`, `1/(Pa s)`, `MPa/mm`, `rpm`.
+//! Units in common notation: `mm^3`, `1/(Pa s)`, `MPa/mm`, `rpm`.
 //!
 //! ```
 //! use effects::Unit;
@@ -19,20 +19,20 @@ pub struct Unit {
     decimals: i32,
 }
 
-/// Why a text is no unit.
+/// Reason why a text is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UnitError {
-    /// A name that is not known.
+    /// An unknown name.
     #[error("`{0}` is no unit; known are {known}, alone or with a prefix n, u, m, c, k, M, G", known = known())]
     Unknown(String),
-    /// Not of the form `name^n name/(name name)`.
+    /// Text not of the form `name^n name/(name name)`.
     #[error(
         "`{text}` cannot be read as a unit after its first {read} characters; write it as mm^3, 1/(Pa s) or MPa/mm"
     )]
     Malformed {
         /// The text.
         text: String,
-        /// Characters understood.
+        /// Number of characters understood.
         read: usize,
     },
 }
@@ -50,7 +50,7 @@ const PREFIXED: [(&str, [i32; 4], i32); 9] = [
     ("Hz", [0, 0, -1, 0], 0),
 ];
 
-/// Units that stand alone: symbol, exponents of s, scale.
+/// Units without prefixes: symbol, exponents of s, scale.
 const ALONE: [(&str, i32, f64); 8] = [
     ("1", 0, 1.0),
     ("rad", 0, 1.0),
@@ -65,7 +65,7 @@ const ALONE: [(&str, i32, f64); 8] = [
 const PREFIXES: [(&str, i32); 8] =
     [("n", -9), ("u", -6), ("µ", -6), ("m", -3), ("c", -2), ("k", 3), ("M", 6), ("G", 9)];
 
-/// Bytes that a unit may have; it bounds the nesting of brackets.
+/// Greatest length of a unit [bytes]; it bounds the nesting of brackets.
 const LONGEST: usize = 100;
 
 fn known() -> String {
@@ -74,7 +74,7 @@ fn known() -> String {
 }
 
 impl Unit {
-    /// A plain number.
+    /// Dimensionless unit.
     pub const ONE: Self = Self { dimension: Dimension::NONE, scale: 1.0, decimals: 0 };
 
     /// The SI unit of a dimension.
@@ -82,10 +82,10 @@ impl Unit {
         Self { dimension, ..Self::ONE }
     }
 
-    /// Reads a unit: factors side by side or with `*`, powers with `^`, one or more `/`, round brackets.
+    /// Parses a unit: factors side by side or with `*`, powers with `^`, one or more `/`, round brackets.
     ///
     /// # Errors
-    /// A name that is no unit, or what cannot be read.
+    /// An unknown name, or text that cannot be parsed.
     pub fn parse(text: &str) -> Result<Self, UnitError> {
         let mut reader = Reader { text, at: 0 };
         if text.len() > LONGEST {
@@ -95,10 +95,11 @@ impl Unit {
         if reader.rest().is_empty() { Ok(unit) } else { Err(reader.malformed()) }
     }
 
-    /// Reads a value with its unit, such as `350 mm^3`: the value in SI units, and the unit. A plain number has none.
+    /// Parses a value with its unit, such as `350 mm^3`: returns the value in SI units, and the unit. A plain number
+    /// has unit 1.
     ///
     /// # Errors
-    /// Text that cannot be read, with the expected form.
+    /// Text that cannot be parsed, with the expected form.
     pub fn quantity(text: &str) -> Result<(f64, Self), String> {
         let text = text.trim();
         let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(text.len());
@@ -109,7 +110,7 @@ impl Unit {
         Ok((unit.to_si(number), unit))
     }
 
-    /// A unit by its symbol alone, with or without prefix.
+    /// Returns the unit of a single symbol, with or without prefix.
     pub fn atom(symbol: &str) -> Option<Self> {
         if let Some(&(name, seconds, scale)) = ALONE.iter().find(|unit| unit.0 == symbol) {
             let decimals = match name {
@@ -127,17 +128,17 @@ impl Unit {
             .or_else(|| PREFIXES.iter().find_map(|(prefix, shift)| plain(symbol.strip_prefix(prefix)?, *shift)))
     }
 
-    /// A value in this unit, in SI units.
+    /// Converts a value in this unit to SI.
     pub fn to_si(self, value: f64) -> f64 {
         scale_by_ten(value * self.scale, self.decimals)
     }
 
-    /// A value in SI units, in this unit.
+    /// Converts a value in SI to this unit.
     pub fn from_si(self, value: f64) -> f64 {
         scale_by_ten(value, -self.decimals) / self.scale
     }
 
-    /// The shortest decimal that reads back in this unit as the same SI value.
+    /// Shortest decimal that parses back in this unit to the same SI value.
     pub fn show(self, si: f64) -> String {
         let value = self.from_si(si);
         if !value.is_finite() || value == 0.0 {
@@ -163,7 +164,7 @@ impl Unit {
     }
 }
 
-/// `value · 10^decimals` as if the value's decimals were moved: 0.2 cm^3 is 2e-7 m^3 to the last bit.
+/// `value · 10^decimals`, computed by shifting the decimal point: 0.2 cm^3 is 2e-7 m^3 to the last bit.
 fn scale_by_ten(value: f64, decimals: i32) -> f64 {
     let shifted = || {
         let text = format!("{value:e}");
@@ -180,7 +181,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// What is left, without leading blanks.
+    /// Remaining text, without leading blanks.
     fn rest(&mut self) -> &'a str {
         let rest = &self.text[self.at..];
         let trimmed = rest.trim_start();

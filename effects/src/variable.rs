@@ -1,11 +1,11 @@
-//! The variables that formulas may use: one table, from which messages, documents and checks are made.
+//! The variables of formulas: one table, from which messages, documents and checks are made.
 
 use std::fmt;
 
 use super::dimension::Dimension;
 use super::unit::Unit;
 
-/// Where a formula is evaluated: the hooks in their fixed order, then the three kinds of state.
+/// Point at which a formula is evaluated: the hooks in their fixed order, then the three kinds of state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Hook {
@@ -17,15 +17,15 @@ pub enum Hook {
     Pressure,
     /// Spindle speed, once per step.
     Spindle,
-    /// Force that the controller believes, once per step.
+    /// Force reading that the controller receives, once per step.
     Force,
     /// Recession speed when grinding, per contact cell.
     Rate,
     /// Dose rate when sanding, per contact cell.
     Dose,
-    /// Height that the scanner sees, per pixel.
+    /// Height that the scanner reports, per pixel.
     Height,
-    /// Dose at which the scanner calls the substrate exposed, once per scan.
+    /// Dose at which the scanner reports the substrate as exposed, once per scan.
     Exposure,
     /// A state of the whole tool, once per step.
     ToolState,
@@ -59,17 +59,17 @@ impl Hook {
         }
     }
 
-    /// Whether formulas here run over many cells or pixels at once.
+    /// True if formulas here run over many cells or pixels at once.
     pub fn is_per_lane(self) -> bool {
         matches!(self, Shape | Pressure | Rate | Dose | Height | ToolCell | WorkpieceCell)
     }
 
-    /// Whether the scanner acts here, after the process.
+    /// True if the scanner acts here, after the process.
     pub fn is_scan(self) -> bool {
         matches!(self, Height | Exposure)
     }
 
-    /// The values that formulas may modify here.
+    /// Values that formulas may modify here.
     pub fn values(self) -> &'static [Variable] {
         match self {
             Pose => &[Variable::OffsetX, Variable::OffsetY, Variable::OffsetZ, Variable::Roll, Variable::Pitch],
@@ -86,7 +86,7 @@ impl Hook {
     }
 }
 
-/// How often a variable changes.
+/// Granularity of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
     /// Once per step of the simulation.
@@ -99,18 +99,18 @@ pub enum Per {
     ToolCell,
 }
 
-/// All process places.
+/// All hooks of the process.
 const PROCESS: &[Hook] = &[Pose, Shape, Pressure, Spindle, Force, Rate, Dose, ToolState, ToolCell, WorkpieceCell];
-/// Process places and the scanner's.
+/// Hooks of the process and of the scanner.
 const EVERYWHERE: &[Hook] =
     &[Pose, Shape, Pressure, Spindle, Force, Rate, Dose, Height, Exposure, ToolState, ToolCell, WorkpieceCell];
-/// Contact cells.
+/// Hooks over contact cells.
 const CELL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell];
-/// Contact cells whose depth is known.
+/// Hooks over contact cells whose depth is known.
 const PRESSED: &[Hook] = &[Pressure, Rate, Dose, WorkpieceCell];
-/// Contact cells and pixels.
+/// Hooks over contact cells and pixels.
 const CELL_PIXEL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, Height];
-/// Contact cells and tool cells.
+/// Hooks over contact cells and tool cells.
 const CELL_TOOL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, ToolCell];
 
 /// One row of [`TABLE`].
@@ -120,13 +120,13 @@ pub struct VariableRow {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// How often it changes.
+    /// Granularity.
     pub per: Per,
-    /// Where formulas may use it.
+    /// Hooks at which formulas may use it.
     pub places: &'static [Hook],
-    /// Plausible least and greatest value [SI], from which checks draw their inputs.
+    /// Least and greatest plausible value [SI], from which checks draw their inputs.
     pub probe: [f64; 2],
-    /// What it is.
+    /// Description.
     pub about: &'static str,
 }
 
@@ -224,7 +224,7 @@ impl Variable {
     /// Number of variables.
     pub const COUNT: usize = TABLE.len();
 
-    /// Its row of [`TABLE`].
+    /// Row of [`TABLE`].
     pub fn row(self) -> &'static VariableRow {
         &TABLE[self as usize]
     }
@@ -239,7 +239,7 @@ impl Variable {
         Unit::parse(self.row().unit).map(|unit| unit.dimension).unwrap_or(Dimension::NONE)
     }
 
-    /// For a value that formulas modify: what it is before any law or effect; nothing if the simulator hands it in.
+    /// Initial value of a value that formulas modify, before any law or effect; `None` if the simulator supplies it.
     pub(super) fn start(self) -> Option<f64> {
         match self {
             Self::SpindleSpeed | Self::ForceReading | Self::Height => None,
@@ -248,22 +248,22 @@ impl Variable {
         }
     }
 
-    /// Whether it has one value per cell or pixel at `place`.
+    /// True if it has one value per cell or pixel at `place`.
     pub fn is_lane_at(self, place: Hook) -> bool {
         place.is_per_lane() && self.row().per != Per::Step
     }
 
-    /// The variable of this name that formulas at `place` may use.
+    /// Returns the variable of this name that formulas at `place` may use.
     pub fn find(name: &str, place: Hook) -> Option<Self> {
         Self::at(place).find(|variable| variable.name() == name)
     }
 
-    /// The variables that formulas at `place` may use, in the order of the table.
+    /// Variables that formulas at `place` may use, in the order of the table.
     pub fn at(place: Hook) -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(move |variable| variable.row().places.contains(&place))
     }
 
-    /// The hook that modifies the value of this name. A hook with a single value also answers to its own name.
+    /// Returns the hook that modifies the value of this name. A hook with a single value is also found by its own name.
     pub fn modified_by(name: &str) -> Option<(Hook, Self)> {
         Hook::HOOKS.into_iter().find_map(|hook| {
             let values = hook.values();

@@ -1,7 +1,7 @@
-//! The programs of a model written out as WGSL, in the form of `no_model.wgsl`: the same operations in the same order.
+//! Writes the programs of a model as WGSL, in the form of `no_model.wgsl`: the same operations in the same order.
 //!
-//! What has one value per step is computed by one invocation and kept; formulas over lanes read it. Parameters stay numbers in a
-//! buffer, so that trials with other values share the text.
+//! Values per step are computed by one invocation and stored; formulas over lanes read them. Parameters stay numbers in
+//! a buffer, so that trials with other values share the text.
 
 use std::fmt::Write as _;
 
@@ -12,28 +12,28 @@ use super::op::Op;
 use super::program::{Input, LaneOp, Operand, Program};
 use super::variable::{Hook, Per, Variable};
 
-/// A model as a device runs it.
+/// A model in the form that a device runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceModel {
     /// WGSL text of all formulas.
     pub text: String,
-    /// First parameter among a trial's values; the variables come before.
+    /// Index of the first parameter among a trial's values; the variables precede it.
     pub parameters: usize,
-    /// First state of the tool.
+    /// Index of the tool's first state.
     pub tool_states: usize,
-    /// First state of the tool's first cell; all cells of a state, then the next state.
+    /// Index of the first state of the tool's first cell; all cells of a state, then the next state.
     pub cell_states: usize,
-    /// All values of a trial; what the simulator sums comes after them.
+    /// Number of values of a trial; the simulator's sums follow them.
     pub values: usize,
 }
 
 /// The part of a model that a device cannot run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unwritable {
-    /// A variable that takes a walk over the whole sheet.
+    /// A variable that needs a pass over the whole height field.
     #[error("the hook {0} reads edge_distance")]
     EdgeDistance(Hook),
-    /// States that the workpiece keeps.
+    /// A state of the workpiece's cells.
     #[error("`{0}` is a state of the workpiece's cells")]
     WorkpieceState(String),
 }
@@ -50,11 +50,11 @@ const CELL_SUMS: [Variable; 6] = [
 
 /// Hooks over lanes.
 const LANE_HOOKS: [Hook; 4] = [Hook::Shape, Hook::Pressure, Hook::Rate, Hook::Dose];
-/// Hooks with one value, or five, per step.
+/// Hooks with one value per step, or five.
 const STEP_HOOKS: [Hook; 3] = [Hook::Pose, Hook::Spindle, Hook::Force];
 
 impl DeviceModel {
-    /// Writes out a model for a tool with so many cells.
+    /// Writes a model for a tool with this number of cells.
     pub fn new(model: &CompiledModel, tool_cells: usize) -> Result<Self, Unwritable> {
         let reads_edges = |place: &Hook| model.needs(*place).contains(&Variable::EdgeDistance);
         if let Some(place) = LANE_HOOKS.into_iter().find(reads_edges) {
@@ -97,10 +97,10 @@ impl DeviceModel {
     }
 }
 
-/// WGSL in the making.
+/// Builder of the WGSL text.
 struct Writer {
     text: String,
-    /// Where the next result that is kept lies among the values.
+    /// Index among the values at which the next result is stored.
     kept: usize,
 }
 
@@ -109,7 +109,7 @@ impl Writer {
         let _ = write!(self.text, "\nfn {head} {{\n{body}}}\n");
     }
 
-    /// A hook that one invocation runs.
+    /// Writes a hook that one invocation runs.
     fn step_hook(&mut self, place: Hook, program: &Program) {
         let results: Vec<String> = program.outputs.iter().map(|output| scalar_name("s", output)).collect();
         let (kind, result) = match place {
@@ -120,7 +120,7 @@ impl Writer {
         self.function(&format!("formula_{}() -> {kind}", place.name()), &body);
     }
 
-    /// A hook over lanes. Gives the text that prepares it.
+    /// Writes a hook over lanes. Returns the text that prepares it.
     fn lane_hook(&mut self, place: Hook, program: &Program) -> String {
         let prefix = &place.name()[..2];
         let first = self.kept;
@@ -137,7 +137,7 @@ impl Writer {
         prepared
     }
 
-    /// States of the tool and of its cells.
+    /// Writes the states of the tool and of its cells.
     fn states(&mut self, model: &CompiledModel) {
         let (tool, cells) = (model.program(Hook::ToolState), model.program(Hook::ToolCell));
         let first = self.kept;
@@ -166,7 +166,7 @@ impl Writer {
         self.function("advance_tool_cell(cell: u32)", &body);
     }
 
-    /// Keeps the results of a step program that its lane program reads, all of them in their order.
+    /// Stores the results of a step program that its lane program reads, in order.
     fn keep(&mut self, prefix: &str, program: &Program) -> String {
         let mut text = String::new();
         for index in read_by_lanes(program) {
@@ -177,7 +177,7 @@ impl Writer {
     }
 }
 
-/// Results of the step program that the lane program or its results read, in order.
+/// Results of the step program that the lane program or its outputs read, in order.
 fn read_by_lanes(program: &Program) -> Vec<u32> {
     let arguments = program.steps.iter().flat_map(|step| match step.op {
         LaneOp::Apply(op) => &step.arguments[..op.arity()],
@@ -193,7 +193,7 @@ fn read_by_lanes(program: &Program) -> Vec<u32> {
     read
 }
 
-/// The step program, a constant for each result.
+/// Writes the step program, one constant per result.
 fn scalars(prefix: &str, program: &Program) -> String {
     let mut text = String::new();
     for (index, node) in program.scalars.iter().enumerate() {
@@ -225,7 +225,7 @@ fn loaded(load: Load) -> String {
     }
 }
 
-/// A number as an f32 of WGSL.
+/// Formats a number as an f32 of WGSL.
 fn number(value: f64) -> String {
     let value = value as f32;
     match value {
@@ -236,7 +236,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The lane program: what is kept from `first` on, what is handed in, and a constant for each operation.
+/// Writes the lane program: stored values from `first` on, inputs, and one constant per operation.
 fn lanes(program: &Program, first: usize, input: impl Fn(Input) -> String) -> String {
     let mut text = String::new();
     for (at, index) in (first..).zip(read_by_lanes(program)) {

@@ -1,7 +1,7 @@
-//! Where a pad can go: the largest rectangle of the top in which it lies flat wherever its middle is.
+//! The area that a pad can reach: the largest rectangle of the top in which the pad lies flat at every centre position.
 //!
-//! At every place of a height map a plane is fitted to what lies under the pad. The pad can stand there if almost all of
-//! it lies near the plane and nothing stands up through it, not even just beside the pad.
+//! At every pixel of a height map a plane is fitted to the surface under the pad. The pad can lie there if almost all
+//! of its area lies near the plane and nothing protrudes through the plane, neither under the pad nor just beside it.
 
 use glam::{DMat3, DVec2, DVec3, IVec2};
 use sdf_bake::{BrickGrid, PixelGrid};
@@ -14,11 +14,11 @@ const PAD_SHARE: f64 = 0.13;
 const PIXELS_PER_RADIUS: f64 = 8.0;
 /// Share of the pad that must have surface near its plane.
 const LEAST_SUPPORT: f64 = 0.9;
-/// How far from the plane surface is near [pad radii]: a soft pad follows it.
+/// Greatest distance from the plane that counts as near [pad radii]; a soft pad conforms to it.
 const NEAR: f64 = 0.06;
-/// What stands up farther than this through the plane is in the way [pad radii].
+/// Height above the plane from which a point is an obstacle [pad radii].
 const IN_THE_WAY: f64 = 0.1;
-/// Within how far from the pad's middle nothing may be in the way [pad radii].
+/// Radius around the pad's centre that must be free of obstacles [pad radii].
 const FREE: f64 = 1.15;
 /// Least upward component of the plane's normal.
 const LEAST_UPWARD: f64 = 0.8;
@@ -26,10 +26,10 @@ const LEAST_UPWARD: f64 = 0.8;
 /// Reason why a pad has no patch on a surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum PatchError {
-    /// The field is all inside or all outside.
+    /// The field is entirely inside or entirely outside.
     #[error("the field holds no surface")]
     NoSurface,
-    /// The pad can lie nowhere.
+    /// The pad lies flat nowhere.
     #[error("a pad of {:.1} mm lies flat nowhere on its top", 1e3 * radius)]
     NowhereFlat {
         /// Radius of the pad [m].
@@ -37,40 +37,40 @@ pub enum PatchError {
     },
 }
 
-/// A rectangle for the pad's middle, with the surface as the pad lies on it.
+/// A rectangle of positions for the pad's centre, with the plane on which the pad lies at each.
 #[derive(Clone, Debug)]
 pub struct PadPatch {
     /// Radius of the pad [m].
     pub radius: f64,
-    /// Least x, y of the middle [m].
+    /// Least x, y of the centre [m].
     pub low: DVec2,
-    /// Greatest x, y of the middle [m].
+    /// Greatest x, y of the centre [m].
     pub high: DVec2,
     pixels: PixelGrid,
     planes: Vec<Option<Plane>>,
 }
 
-/// A pad's rest: height at its middle [m] and slopes along x and y.
+/// The plane on which a pad lies: height at its centre [m] and slopes along x and y.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     height: f64,
     slope: DVec2,
 }
 
-/// How the pad lies at a place.
+/// Pose of the pad at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadRest {
-    /// The middle of its face [m].
+    /// Centre of its face [m].
     pub contact: DVec3,
-    /// Its axis, unit, out of the part.
+    /// Its axis, unit vector, out of the part.
     pub approach: DVec3,
 }
 
 impl PadPatch {
-    /// Finds the patch of a part's top.
+    /// Finds the patch on a part's top.
     ///
     /// # Errors
-    /// When the field has no surface, or the pad can lie nowhere on it.
+    /// If the field has no surface, or the pad lies flat nowhere on it.
     pub fn find(part: &BrickGrid) -> Result<Self, PatchError> {
         let (low, high) = part.surface_bounds().ok_or(PatchError::NoSurface)?;
         let radius = PAD_SHARE * (high - low).truncate().min_element();
@@ -97,7 +97,8 @@ impl PadPatch {
         Self { radius, low, high, pixels, planes }
     }
 
-    /// How the pad lies with its middle at a place in the patch [m]; beyond it, as at its border.
+    /// Returns the pad's pose with its centre at a position in the patch [m]; positions outside are clamped to its
+    /// border.
     pub fn rest(&self, at: DVec2) -> PadRest {
         let cell = (at.clamp(self.low, self.high) - self.pixels.origin) / self.pixels.pitch;
         let corner = cell.floor().min(DVec2::new(self.pixels.nx as f64, self.pixels.ny as f64) - 2.0);
@@ -118,7 +119,7 @@ impl PadPatch {
     }
 }
 
-/// A part's top as pixels.
+/// A part's top as a height map.
 struct Top {
     pixels: PixelGrid,
     heights: Vec<f64>,
@@ -126,7 +127,7 @@ struct Top {
 }
 
 impl Top {
-    /// The plane under a pad whose middle is above a pixel, if it can lie there.
+    /// Fits the plane under a pad centred above a pixel; `None` if the pad cannot lie there.
     fn plane(&self, at: usize) -> Option<Plane> {
         let around: Vec<(DVec2, f64)> = self.around(at).collect();
         let under = || around.iter().filter(|(away, _)| away.length() <= self.radius);
@@ -141,7 +142,7 @@ impl Top {
         (supported as f64 >= LEAST_SUPPORT * whole && upward >= LEAST_UPWARD).then_some(plane)
     }
 
-    /// Pixels within the reach that must be free, by their place from the middle [m].
+    /// Returns the pixels within the radius that must be free: their offset from the centre [m] and height [m].
     fn around(&self, at: usize) -> impl Iterator<Item = (DVec2, f64)> {
         let reach = (FREE * self.radius / self.pixels.pitch).floor() as i32;
         let middle = IVec2::new((at % self.pixels.nx) as i32, (at / self.pixels.nx) as i32);
@@ -160,7 +161,7 @@ impl Top {
     }
 }
 
-/// The least-squares plane of points (place from the middle, height).
+/// Fits a plane to points (offset from the centre, height) by least squares.
 fn fit<'a>(points: impl Iterator<Item = &'a (DVec2, f64)>) -> Option<Plane> {
     let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for &(away, height) in points {
@@ -172,7 +173,8 @@ fn fit<'a>(points: impl Iterator<Item = &'a (DVec2, f64)>) -> Option<Plane> {
     found.is_finite().then(|| Plane { height: found.x, slope: DVec2::new(found.y, found.z) })
 }
 
-/// Corners of the largest rectangle of free cells in rows of `nx`, both included; `None` without any.
+/// Finds the largest rectangle of free cells in rows of `nx` and returns two opposite corners, both included; `None` if
+/// no cell is free.
 fn largest_rectangle(free: &[bool], nx: usize) -> Option<(IVec2, IVec2)> {
     let mut best: Option<(usize, (IVec2, IVec2))> = None;
     let mut depth = vec![0usize; nx];
@@ -214,7 +216,7 @@ mod tests {
     #[test]
     fn a_pad_keeps_off_walls_and_edges_and_lies_on_slopes() {
         let slope = 0.2;
-        // A tilted plate of 100 by 80 mm with a wall along its left side.
+        // A tilted plate of 100 mm by 80 mm with a wall along its left side.
         let plate = |p: DVec3| {
             let beside = (p.truncate().abs() - DVec2::new(0.05, 0.04)).max_element();
             let top = (p.z - slope * p.y) / f64::hypot(1.0, slope);
@@ -236,7 +238,7 @@ mod tests {
 
     #[test]
     fn a_part_without_a_flat_place_says_so() {
-        // A roof whose sides fall by 60°.
+        // A roof whose sides slope down at 60°.
         let roof = |p: DVec3| (0.75f64.sqrt() * p.y.abs() + 0.5 * p.z - 0.01).max(-p.z).max(p.x.abs() - 0.02);
         let (low, high) = (DVec3::new(-0.02, -0.012, 0.0), DVec3::new(0.02, 0.012, 0.02));
         let roof = BrickGrid::from_distance(low, high, 2.5e-4, 3.0, roof);

@@ -1,45 +1,45 @@
-//! The ways of a pad over a patch, and the stages into which they are divided.
+//! Paths of a pad over a patch, and their division into stages.
 
 use glam::{DVec2, Vec2Swizzles};
 use serde::{Deserialize, Serialize};
 
 use super::pad_patch::PadPatch;
 
-/// Distance between neighbouring lines, at most [pad radii]: they overlap.
+/// Greatest distance between neighbouring lines [pad radii]; adjacent tracks overlap.
 const SPACING: f64 = 1.5;
-/// Distance between neighbouring spots, at least [pad radii]: the coating between them stays.
+/// Least distance between neighbouring spots [pad radii]; the coating between them stays.
 const SPOT_SPACING: f64 = 2.6;
-/// Radius of the circle that the pad's middle describes on a spot [pad radii].
+/// Radius of the circle that the pad's centre describes on a spot [pad radii].
 const SPOT: f64 = 0.25;
-/// Distance between points of a way [pad radii].
+/// Distance between points of a path [pad radii].
 const STEP: f64 = 0.1;
 
-/// A way of the pad.
+/// Shape of the pad's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pattern {
-    /// Lines along x, to and fro.
+    /// Lines along x, in alternating directions.
     AlongX,
-    /// Lines along y, to and fro.
+    /// Lines along y, in alternating directions.
     AlongY,
-    /// Lines under 45°, to and fro.
+    /// Lines at 45°, in alternating directions.
     Diagonal,
-    /// Round and round, from the border to the middle.
+    /// Shrinking ellipses, from the border to the centre.
     Spiral,
     /// Once along the border.
     Frame,
-    /// Small circles on spots apart from each other.
+    /// Small circles on separate spots.
     Spots,
 }
 
-/// A stretch that the pad travels without being lifted: places of its middle [m].
+/// A stretch that the pad travels without being lifted: positions of its centre [m].
 pub type Stroke = Vec<DVec2>;
 
 impl Pattern {
-    /// All of them, in the order of a set.
+    /// All patterns, in the order in which a set uses them.
     pub const ALL: [Self; 6] = [Self::AlongX, Self::AlongY, Self::Diagonal, Self::Spiral, Self::Frame, Self::Spots];
 
-    /// Its name in files and flags.
+    /// Name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
             Self::AlongX => "along-x",
@@ -63,7 +63,7 @@ impl Pattern {
         }
     }
 
-    /// The way over a patch [m].
+    /// Returns the path over a patch [m].
     pub fn strokes(self, patch: &PadPatch) -> Vec<Stroke> {
         let (low, size, radius) = (patch.low, patch.high - patch.low, patch.radius);
         let placed = |points: Vec<DVec2>| points.into_iter().map(|at| low + at).collect::<Stroke>();
@@ -78,7 +78,7 @@ impl Pattern {
         strokes.into_iter().map(|points| refined(&placed(points), STEP * radius)).collect()
     }
 
-    /// The way in `stages` parts of one length each.
+    /// Divides the path into `stages` parts of equal length.
     pub fn stages(self, patch: &PadPatch, stages: u32) -> Vec<Vec<Stroke>> {
         let strokes = self.strokes(patch);
         let whole: f64 = strokes.iter().map(|stroke| length(stroke)).sum();
@@ -87,7 +87,7 @@ impl Pattern {
     }
 }
 
-/// Lines along y, to and fro, from the left to the right of a rectangle.
+/// Lines along y in alternating directions, from the left to the right of a rectangle.
 fn meander(size: DVec2, radius: f64) -> Vec<DVec2> {
     let lines = 1 + (size.x / (SPACING * radius)).ceil() as usize;
     let place = |line: usize| size.x * line as f64 / (lines - 1).max(1) as f64;
@@ -95,7 +95,7 @@ fn meander(size: DVec2, radius: f64) -> Vec<DVec2> {
     (0..lines).flat_map(|line| ends(line).map(|y| DVec2::new(place(line), y))).collect()
 }
 
-/// Lines under 45°, to and fro, cut at the rectangle's border.
+/// Lines at 45° in alternating directions, clipped at the rectangle's border.
 fn diagonal(size: DVec2, radius: f64) -> Vec<DVec2> {
     let whole = size.x + size.y;
     let lines = 1 + (whole / (SPACING * radius * std::f64::consts::SQRT_2)).ceil() as usize;
@@ -109,7 +109,7 @@ fn diagonal(size: DVec2, radius: f64) -> Vec<DVec2> {
     (0..lines).flat_map(line).collect()
 }
 
-/// An ellipse that shrinks by a spacing with every turn.
+/// An ellipse that shrinks by the line spacing with every turn.
 fn spiral(size: DVec2, radius: f64) -> Vec<DVec2> {
     let half = 0.5 * size;
     let turns = (half.min_element() / (SPACING * radius)).ceil().max(1.0);
@@ -125,7 +125,7 @@ fn frame(size: DVec2) -> Vec<DVec2> {
     vec![DVec2::ZERO, DVec2::new(size.x, 0.0), size, DVec2::new(0.0, size.y), DVec2::ZERO]
 }
 
-/// A circle on each place of a square lattice.
+/// A circle at each point of a square lattice.
 fn spots(size: DVec2, radius: f64) -> Vec<Stroke> {
     let within = size - 2.0 * SPOT * radius;
     let count = (within / (SPOT_SPACING * radius)).floor().max(DVec2::ZERO).as_uvec2() + 1;
@@ -144,7 +144,7 @@ fn length(stroke: &[DVec2]) -> f64 {
     stroke.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// The same way with points at most `step` [m] apart.
+/// Refines a path so that neighbouring points are at most `step` [m] apart.
 fn refined(points: &[DVec2], step: f64) -> Stroke {
     let mut stroke: Stroke = points.first().copied().into_iter().collect();
     for pair in points.windows(2) {
@@ -155,7 +155,7 @@ fn refined(points: &[DVec2], step: f64) -> Stroke {
     stroke
 }
 
-/// The part of a way between two lengths from its start [m].
+/// Returns the part of a path between two arc lengths from its start [m].
 fn between(strokes: &[Stroke], from: f64, to: f64) -> Vec<Stroke> {
     let mut start = 0.0;
     let mut parts = Vec::new();

@@ -1,28 +1,28 @@
-//! Planned paths as programs of robots, and programs as paths.
+//! Converts planned paths to robot programs, and programs to paths.
 
 use glam::{DMat3, DQuat, DVec3};
 use instruments::program::{Point, Program};
 use trials::trial::{Log, LogRow};
 
-/// Distance from the straight line between others within which a row is no point of a program [m].
+/// Greatest distance of a row from the straight line through its neighbours at which the program omits it [m].
 const STRAIGHT: f64 = 1e-6;
-/// Relative change of the speed beyond which a row is a point of its own.
+/// Relative change of speed above which a row becomes a program point.
 const SAME_SPEED: f64 = 0.01;
-/// Cosine beyond which two approach axes are one.
+/// Cosine above which two approach axes are equal.
 const SAME_AXIS: f64 = 1.0 - 1e-9;
 
-/// Values for the quantities that a program leaves open.
+/// Values for the quantities that a program does not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unsaid {
     /// Speed of rapid moves, and of moves whose speed the program does not give [m/s].
     pub rapid: f64,
-    /// Force setpoint of moves with a speed of their own [N]; rapid moves press on nothing.
+    /// Force setpoint of moves with a stated speed [N]; rapid moves have force 0.
     pub force: f64,
     /// Spindle speed where the program gives none [rad/s].
     pub spindle: f64,
 }
 
-/// A program as the log of a plan: a row at each point, reached at the speed of its move.
+/// Converts a program to the log of a plan: one row per point, reached at the speed of its move.
 pub fn log_of(program: &Program, unsaid: &Unsaid) -> Log {
     let mut log = Log { has_approach: program.points.iter().any(|point| point.rotation.is_some()), ..Log::default() };
     let mut spindle = unsaid.spindle;
@@ -46,7 +46,7 @@ pub fn log_of(program: &Program, unsaid: &Unsaid) -> Log {
     log
 }
 
-/// The points of a planned log between which the tool moves straight at one speed.
+/// Selects the points of a planned log between which the tool moves straight at constant speed.
 pub fn points_of(log: &Log) -> Vec<Point> {
     let rows = &log.rows;
     let speed = |k: usize| rows[k].position.distance(rows[k - 1].position) / (rows[k].time - rows[k - 1].time);
@@ -75,7 +75,7 @@ pub fn points_of(log: &Log) -> Vec<Point> {
     kept.iter().map(point).collect()
 }
 
-/// The tool's axes under an approach axis: z into the part, x as near to the frame's x as that allows.
+/// Tool orientation for an approach axis: z into the part, x as close as possible to the frame's x.
 fn rotation(approach: DVec3) -> DQuat {
     let z = -approach;
     let x = DVec3::X.reject_from_normalized(z).try_normalize().unwrap_or(DVec3::Y);

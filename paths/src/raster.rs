@@ -6,10 +6,10 @@ use sim::Profilometer;
 
 use super::{Leg, Plan, PlanError, Waypoint};
 
-/// Places of the surface that a raster may touch: a minute of work.
+/// Greatest number of surface points of a raster: about a minute of computing.
 const MOST_POINTS: f64 = 1e7;
 
-/// Which way the lines run.
+/// Direction of the lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineDirection {
     /// Along x.
@@ -18,27 +18,28 @@ pub enum LineDirection {
     Y,
 }
 
-/// A patch and how it is covered.
+/// A patch and the lines that cover it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raster {
     /// Least x, y [m].
     pub low: DVec2,
     /// Greatest x, y [m].
     pub high: DVec2,
-    /// Distance between lines at most [m]; they are spread evenly from border to border.
+    /// Greatest distance between lines [m]; they are spread evenly from border to border.
     pub spacing: f64,
-    /// Which way the lines run.
+    /// Direction of the lines.
     pub direction: LineDirection,
-    /// To and fro without lifting; otherwise every line runs the same way and the tool returns in the air.
+    /// True for alternating directions without lifting; otherwise all lines run the same way and the tool returns in
+    /// the air.
     pub zigzag: bool,
-    /// Height of the way back in the air [m].
+    /// Height of the return in the air [m].
     pub clearance: f64,
 }
 
-/// Lines over the top of a part, the approach axis +z.
+/// Plans lines over the top of a part, with approach axis +z.
 ///
 /// # Errors
-/// [`PlanError::OffThePart`] when the part has no surface below a line.
+/// [`PlanError::OffThePart`] if the part has no surface below a line.
 pub fn raster(part: &BrickGrid, raster: &Raster) -> Result<Plan, PlanError> {
     let lines = raster.lines(part)?;
     let mut legs: Vec<Leg> = Vec::new();
@@ -64,11 +65,11 @@ impl Raster {
     pub fn count(&self) -> usize {
         let across = self.high - self.low;
         let width = if self.direction == LineDirection::X { across.y } else { across.x };
-        // A whole number of spacings stays that number in floating point.
+        // A width of a whole number of spacings stays whole in floating point.
         1 + (width / self.spacing - 1e-9).ceil().max(0.0) as usize
     }
 
-    /// The lines on the surface, all in the rising direction.
+    /// Returns the lines on the surface, all in the direction of rising coordinates.
     fn lines(&self, part: &BrickGrid) -> Result<Vec<Vec<Waypoint>>, PlanError> {
         let across = self.high - self.low;
         let count = self.count();
@@ -90,7 +91,7 @@ impl Raster {
             .collect()
     }
 
-    /// Points on the surface from `from` to `to` [m], about a voxel apart.
+    /// Returns points on the surface from `from` to `to` [m], about one voxel apart.
     fn line(&self, part: &BrickGrid, from: DVec2, to: DVec2) -> Result<Vec<Waypoint>, PlanError> {
         let steps = (from.distance(to) / part.voxel).ceil().max(1.0) as usize;
         (0..=steps)
@@ -104,7 +105,7 @@ impl Raster {
             .collect()
     }
 
-    /// Up, over and down again in the air.
+    /// Returns the legs in the air: up, across and down again.
     fn way_back(&self, end: Waypoint, start: Waypoint) -> Vec<Leg> {
         let height = end.contact.z.max(start.contact.z) + self.clearance;
         let lifted = |point: Waypoint| Waypoint { contact: point.contact.with_z(height), ..point };

@@ -1,10 +1,10 @@
-//! Trapezoidal speed: constant acceleration, the feed, constant deceleration.
+//! Trapezoidal speed profile: constant acceleration, constant feed, constant deceleration.
 
-/// The motion over a way from standstill to standstill.
+/// Motion over a distance from standstill to standstill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trapezoid {
     length: f64,
-    /// Highest speed reached [m/s].
+    /// Greatest speed reached [m/s].
     top: f64,
     /// Time of each ramp [s].
     ramp_time: f64,
@@ -12,9 +12,10 @@ pub struct Trapezoid {
 }
 
 impl Trapezoid {
-    /// A way of `length` [m] at `feed` [m/s], reached and left over `ramp` [m] each; 0 for at once.
+    /// Motion over `length` [m] at `feed` [m/s]. The speed rises over `ramp` [m] and falls over `ramp` [m]; with 0 it
+    /// changes at once.
     ///
-    /// The acceleration is `feed² / (2 ramp)`. On a way shorter than two ramps the feed is not reached.
+    /// The acceleration is `feed² / (2 ramp)`. Over a distance shorter than two ramps the feed is not reached.
     pub fn new(length: f64, feed: f64, ramp: f64) -> Self {
         let ramp_way = ramp.min(0.5 * length);
         let top = if ramp_way < ramp { feed * (ramp_way / ramp).sqrt() } else { feed };
@@ -23,12 +24,12 @@ impl Trapezoid {
         Self { length, top, ramp_time, duration }
     }
 
-    /// Time of the whole way [s].
+    /// Duration of the whole motion [s].
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Way [m] at a time [s] since the start, held at the ends.
+    /// Distance travelled [m] at a time [s] since the start, clamped to the ends.
     pub fn way(&self, time: f64) -> f64 {
         let time = time.clamp(0.0, self.duration);
         let ramp = |t: f64| if self.ramp_time > 0.0 { 0.5 * self.top * t * t / self.ramp_time } else { 0.0 };

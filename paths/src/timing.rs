@@ -1,4 +1,4 @@
-//! Legs on the surface become tool poses in time.
+//! Converts legs on the surface to timed tool poses.
 
 use glam::DVec3;
 
@@ -7,23 +7,24 @@ use super::{Leg, Plan, PlanError, Travel, Waypoint};
 use robot::Tool;
 use trials::trial::{Log, LogRow};
 
-/// Rows that a path may have.
+/// Greatest number of rows of a path.
 const MOST_ROWS: f64 = 1e6;
 
 /// A leg with its motion.
 struct Motion<'a> {
     leg: &'a Leg,
-    /// Way to each point from the leg's first [m].
+    /// Distance of each point from the leg's first point, along the leg [m].
     ways: Vec<f64>,
     speed: Trapezoid,
     start: f64,
 }
 
 impl Plan {
-    /// The plan as a log: approach from the clearance, all legs, retract; one row each period and one at the end.
+    /// Samples the plan as a log: approach from the clearance, all legs, retract; one row per period and one at the
+    /// end.
     ///
     /// # Errors
-    /// [`PlanError::TooLong`] when there would be too many rows.
+    /// [`PlanError::TooLong`] if there would be too many rows.
     pub fn timed(&self, travel: &Travel) -> Result<Log, PlanError> {
         let legs = self.with_approach(travel.clearance);
         let mut start = 0.0;
@@ -46,7 +47,7 @@ impl Plan {
         Ok(Log { rows, has_approach, ..Log::default() })
     }
 
-    /// The legs with one from the air to the surface before them and one back after them.
+    /// Adds a leg from the air to the surface before the legs, and one back to the air after them.
     fn with_approach(&self, clearance: f64) -> Vec<Leg> {
         let above = |point: Waypoint| Waypoint { contact: point.contact + point.approach * clearance, ..point };
         let first = self.legs.first().and_then(|leg| leg.points.first()).copied();
@@ -70,7 +71,7 @@ impl<'a> Motion<'a> {
         Self { leg, ways, speed, start }
     }
 
-    /// The point at a time [s] since the start of the path.
+    /// Returns the waypoint at a time [s] since the start of the path.
     fn at(&self, time: f64) -> Waypoint {
         let way = self.speed.way(time - self.start);
         let points = &self.leg.points;

@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use super::{Leg, Plan, PlanError, Waypoint};
 
-/// Along the crown of a weld from its first to its last point, the approach axis across the curve.
+/// Plans a path along the crown of a weld from its first to its last point, with the approach axis normal to the curve.
 ///
-/// - `positions`, `normals`: of the weld's curve on the part [m, unit], as many of each
+/// - `positions` [m], `normals` [unit]: of the weld's curve on the part, equal in number
 /// - `height`: of the crown above the curve [m]
 ///
 /// # Errors
-/// [`PlanError::BadCurve`] when the curve has fewer than two points, or a normal along the curve.
+/// [`PlanError::BadCurve`] if the curve has fewer than two points, or a normal lies along the curve.
 pub fn along_weld(positions: &[DVec3], normals: &[DVec3], height: f64) -> Result<Plan, PlanError> {
     let count = positions.len().min(normals.len());
     if count < 2 {
@@ -29,7 +29,7 @@ pub fn along_weld(positions: &[DVec3], normals: &[DVec3], height: f64) -> Result
     Ok(Plan { legs: vec![Leg { points, pressed: true }] })
 }
 
-/// The part of a normal across a direction, unit.
+/// Returns the component of a normal perpendicular to a direction, as a unit vector.
 fn across(normal: DVec3, along: DVec3) -> Option<DVec3> {
     let along = along.try_normalize()?;
     normal.reject_from_normalized(along).try_normalize().filter(|axis| axis.is_finite())

@@ -1,8 +1,9 @@
-//! Time of a picture of 640 × 480 pixels: `cargo bench -p robofin-render --bench render`.
+//! Rendering time of a picture of 640 × 480 pixels: `cargo bench -p robofin-render --bench render`.
 //!
-//! One picture after the other in the same memory, as for a turntable. Prints wall time and CPU time of all threads a
-//! frame; on a quiet machine of two cores the first is half the second.
-//! `PICTURES=DIR` keeps each picture there as a portable pixmap. A word after `--` leaves only views whose names hold it.
+//! Pictures are rendered one after the other into the same memory, as for a turntable. Prints wall time and CPU time of
+//! all threads per frame; on an idle machine of two cores the first is half the second.
+//! `PICTURES=DIR` writes each picture there as a portable pixmap. A word after `--` selects the views whose names
+//! contain it.
 
 use std::time::Instant;
 
@@ -51,7 +52,7 @@ fn portable_pixmap(frame: &Frame) -> Vec<u8> {
     [format!("P6 {} {} 255\n", frame.width, frame.height).into_bytes(), frame.to_srgb8().rgb].concat()
 }
 
-/// The last result, and the wall and CPU time of a call [ms].
+/// Returns the last result, and wall and CPU time per call [ms].
 fn timed<T>(mut work: impl FnMut() -> T) -> (T, [f64; 2]) {
     work();
     let (started, cpu) = (Instant::now(), cpu_seconds());
@@ -61,7 +62,7 @@ fn timed<T>(mut work: impl FnMut() -> T) -> (T, [f64; 2]) {
     (last, [started.elapsed().as_secs_f64() * 1e3 / frames, (cpu_seconds() - cpu) * 1e3 / frames])
 }
 
-/// CPU time of all threads of the process [s], in steps of a hundredth.
+/// CPU time of all threads of the process [s], with a resolution of 0.01 s.
 fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux keeps a process's CPU time");
     let fields: Vec<&str> = stat.rsplit(") ").next().unwrap_or("").split(' ').collect();
@@ -91,7 +92,7 @@ fn bracket() -> BrickGrid {
     grid
 }
 
-/// The bracket coated, and sanded on one side of a slanting border.
+/// The bracket coated, and sanded on one side of an oblique border.
 fn sanded(mut grid: BrickGrid) -> BrickGrid {
     let dose = |p: DVec3| (0.5 + 60.0 * (p.x + 0.4 * p.y - 0.02)).clamp(0.0, 1.2) as f32;
     let points: Vec<DVec3> = (0..grid.phi.len()).map(|at| grid.position(grid.voxel_of(at))).collect();

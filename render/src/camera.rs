@@ -1,13 +1,13 @@
-//! Where the picture is taken from: a camera gives one ray for every point of the image.
+//! Camera position, orientation and projection; gives one ray for every image point.
 
 use glam::{DVec2, DVec3};
 
 use super::lens::Distortion;
 
-/// Vertical field of view [rad] of the cameras made here: that of a 70 mm lens on a 24 mm sensor, long enough not
-/// to distort a part.
+/// Vertical field of view [rad] of the cameras made here: that of a 70 mm lens on a 24 mm sensor. The focal length is
+/// long enough for little perspective distortion.
 const VERTICAL_FIELD_OF_VIEW: f64 = 0.34;
-/// Free border around a framed box, as a part of its size.
+/// Free border around a framed box, as a share of the image.
 const BORDER: f64 = 0.03;
 
 /// A half-line in the part's frame.
@@ -19,7 +19,7 @@ pub struct Ray {
     pub direction: DVec3,
 }
 
-/// How points in front of the camera reach the image.
+/// Projection of points onto the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Pinhole.
@@ -45,21 +45,21 @@ pub struct Camera {
     pub up: DVec3,
     /// Unit direction into the scene.
     pub forward: DVec3,
-    /// Pinhole or parallel.
+    /// Pinhole or orthographic.
     pub projection: Projection,
-    /// Of the lens; parallel rays have none.
+    /// Lens distortion; orthographic cameras have none.
     pub distortion: Distortion,
 }
 
 impl Projection {
-    /// That of a lens before a sensor, both [m]; a 70 mm lens before 24 mm is `of_lens(0.070, 0.024)`.
+    /// Projection of a lens and a sensor, both [m]; a 70 mm lens with a 24 mm sensor is `of_lens(0.070, 0.024)`.
     pub fn of_lens(focal_length: f64, sensor_height: f64) -> Self {
         Self::Perspective { vertical_field_of_view: 2.0 * (0.5 * sensor_height / focal_length).atan() }
     }
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, both [m], with the part's z axis upwards in the image.
+    /// Camera at `eye` that looks at `target`, both [m], with the part's z axis upwards in the image.
     pub fn look_at(eye: DVec3, target: DVec3, projection: Projection) -> Self {
         Self { eye, ..Self::oriented((target - eye).normalize_or(DVec3::NEG_Z), projection) }
     }
@@ -67,8 +67,8 @@ impl Camera {
     /// The closest camera that shows a whole box.
     ///
     /// - `low`, `high`: corners of the box [m]
-    /// - `azimuth`, `elevation`: where the camera stands, seen from the box [rad]; azimuth from x towards y
-    /// - `aspect`: width of the image by its height
+    /// - `azimuth`, `elevation`: direction from the box to the camera [rad]; azimuth from x towards y
+    /// - `aspect`: image width divided by height
     pub fn framing(low: DVec3, high: DVec3, azimuth: f64, elevation: f64, aspect: f64) -> Self {
         let corner = |i: usize| {
             let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -80,9 +80,9 @@ impl Camera {
 
     /// The closest camera that shows all `points` [m], for example those of a weld.
     ///
-    /// - `outward`: direction from the points to the camera; need not be of unit length
-    /// - `margin`: what is shown around every point [m]
-    /// - `aspect`: width of the image by its height
+    /// - `outward`: direction from the points to the camera, of any length
+    /// - `margin`: distance shown around every point [m]
+    /// - `aspect`: image width divided by height
     pub fn close_up(points: &[DVec3], outward: DVec3, margin: f64, aspect: f64) -> Self {
         let projection = Projection::Perspective { vertical_field_of_view: VERTICAL_FIELD_OF_VIEW };
         let mut camera = Self::oriented(-outward.normalize_or(DVec3::Z), projection);
@@ -94,10 +94,10 @@ impl Camera {
         camera
     }
 
-    /// The ray through a point of the image.
+    /// Returns the ray through a point of the image.
     ///
-    /// - `at`: from the left and from the top of the image, 0 to 1
-    /// - `aspect`: width of the image by its height
+    /// - `at`: position from the left and from the top of the image, 0 to 1
+    /// - `aspect`: image width divided by height
     pub fn ray(&self, at: DVec2, aspect: f64) -> Ray {
         let image = DVec2::new((2.0 * at.x - 1.0) * aspect, 2.0 * at.y - 1.0) * self.half_image();
         match self.projection {
@@ -112,7 +112,7 @@ impl Camera {
         }
     }
 
-    /// Length from the middle of the image to its upper edge: of parallel rays [m], else at unit distance [1].
+    /// Half of the image height: for orthographic cameras [m], for perspective cameras at unit distance [1].
     pub(crate) fn half_image(&self) -> f64 {
         match self.projection {
             Projection::Perspective { vertical_field_of_view } => (0.5 * vertical_field_of_view).tan(),
@@ -120,7 +120,8 @@ impl Camera {
         }
     }
 
-    /// Where a point [m] is imaged, from the left and from the top of the image, 0 to 1 within it; `None` behind a pinhole.
+    /// Projects a point [m] to the image: position from the left and from the top, 0 to 1 within it; `None` behind a
+    /// pinhole.
     pub fn project(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
         let away = point - self.eye;
         let across = DVec2::new(away.dot(self.right), -away.dot(self.up));
@@ -144,7 +145,7 @@ impl Camera {
         self.pixel_size_within(depth, height, self.half_image())
     }
 
-    /// As [`Camera::pixel_size`], of many pixels; `half_image`: [`Camera::half_image`].
+    /// [`Camera::pixel_size`] for many pixels; `half_image`: [`Camera::half_image`].
     #[inline(always)]
     pub(crate) fn pixel_size_within(&self, depth: f64, height: usize, half_image: f64) -> f64 {
         let distance = if matches!(self.projection, Projection::Orthographic { .. }) { 1.0 } else { depth };
@@ -153,7 +154,7 @@ impl Camera {
 
     /// A camera at the origin that looks along a unit vector.
     fn oriented(forward: DVec3, projection: Projection) -> Self {
-        // Straight up or down, z says nothing about the image's top: y takes its place.
+        // Looking straight up or down, z has no direction in the image; y takes its place.
         let vertical = if forward.z.abs() > 1.0 - 1e-9 { DVec3::Y } else { DVec3::Z };
         let right = forward.cross(vertical).normalize_or(DVec3::X);
         Self {
@@ -172,16 +173,16 @@ pub fn outward(azimuth: f64, elevation: f64) -> DVec3 {
     DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin())
 }
 
-/// One axis of the tightest pinhole.
+/// One axis of the closest perspective camera.
 struct Fit {
-    /// Place of the eye along the image axis [m].
+    /// Coordinate of the eye along the image axis [m].
     centre: f64,
-    /// Largest place of the eye along the viewing axis [m] from which all points are seen.
+    /// Greatest coordinate of the eye along the viewing axis [m] from which all points are visible.
     nearest: f64,
 }
 
-/// A point (u, w) is seen from (e, f) if |u − e| + margin √(1 + slope²) ≤ slope (w − f). Both signs bound e; the two
-/// bounds meet at the largest f.
+/// A point (u, w) is visible from (e, f) if |u − e| + margin √(1 + slope²) ≤ slope (w − f). Both signs bound e; the two
+/// bounds meet at the greatest f.
 fn fit(points: &[DVec3], axis: DVec3, forward: DVec3, slope: f64, margin: f64) -> Fit {
     let pad = margin * (1.0 + slope * slope).sqrt();
     let bound = |sign: f64| {

@@ -1,4 +1,4 @@
-//! From where a weld is seen best: on an arbitrary part it may lie in a pocket or under a rib.
+//! Finds the direction from which a weld is seen best. On an arbitrary part it may lie in a pocket or under a rib.
 
 use glam::DVec3;
 use sdf_bake::BrickGrid;
@@ -7,31 +7,33 @@ use super::camera::{Ray, outward};
 use super::field::Field;
 use super::trace::Hit;
 
-/// Elevations that are tried [rad], the most natural first: it wins a tie.
+/// Candidate elevations [rad], the most natural first: it wins a tie.
 const ELEVATIONS: [f64; 6] = [0.65, 0.95, 0.35, 1.35, -0.5, -1.2];
-/// Azimuths that are tried.
+/// Number of candidate azimuths.
 const AZIMUTHS: usize = 24;
-/// Points that are looked at; more change the answer little.
+/// Greatest number of points that are examined; more change the result little.
 const MOST_POINTS: usize = 48;
-/// Cosine of the angle between surface and view at which a point counts fully.
+/// Cosine of the angle between surface normal and view from which a point has full weight.
 const ENOUGH_FACING: f64 = 0.5;
-/// Share of what is seen best from below the horizon that must be seen from above it for a view from above.
+/// Share of the best score from below the horizon that a view from above must reach to be preferred.
 const ENOUGH_FROM_ABOVE: f64 = 0.25;
-/// What a view along a straight weld is worth against one across it.
+/// Weight of a view along a straight weld, relative to one across it.
 const END_ON: f64 = 0.25;
 
-/// Direction from `points` [m] towards a camera that sees most of them, unobstructed, facing it and across.
+/// Returns the direction from `points` [m] to a camera that sees most of them without obstruction, facing the surface
+/// and across the weld.
 ///
-/// `reach`: how far from its point the visible surface may be [m], for example a bead's width for points on the seam
-/// below it. Where the grid has labels, only labelled surface counts: the far side of a thin plate is near, too. A view from below the horizon is taken only
-/// where those from above show less than a quarter as much. Meant for [`Camera::close_up`](super::Camera::close_up).
+/// `reach`: greatest distance of the visible surface from its point [m], for example a bead's width for points on the
+/// seam below it. If the grid has labels, only labelled surface counts, because the far side of a thin plate is also
+/// near. A view from below the horizon is chosen only if those from above show less than a quarter as much. Intended
+/// for [`Camera::close_up`](super::Camera::close_up).
 pub fn clearest_direction(grid: &BrickGrid, points: &[DVec3], reach: f64) -> DVec3 {
     let azimuth = |step: usize| step as f64 / AZIMUTHS as f64 * std::f64::consts::TAU;
     let directions = ELEVATIONS.iter().flat_map(|&e| (0..AZIMUTHS).map(move |step| outward(azimuth(step), e)));
     clearest_of(grid, points, reach, directions)
 }
 
-/// As [`clearest_direction`], among given unit directions; the first wins a tie. Up without any.
+/// [`clearest_direction`] among given unit directions; the first wins a tie. Returns +z if there are none.
 ///
 /// A part stands with its z axis upwards, so a natural view is from above the horizon.
 pub fn clearest_of(
@@ -58,7 +60,7 @@ pub fn clearest_of(
     for direction in directions {
         let score = seen(direction);
         let best = if direction.z < 0.0 { &mut below } else { &mut above };
-        // A hair more is no reason to leave a natural view.
+        // A score higher by less than 2 % does not justify a less natural view.
         if score > best.1 * 1.02 + 1e-9 {
             *best = (direction, score);
         }
@@ -67,7 +69,8 @@ pub fn clearest_of(
     if is_hidden_from_above { below.0 } else { above.0 }
 }
 
-/// Root mean square spread of points as seen along a unit direction, by their spread in space: 0 to 1, 1 for one point.
+/// Root mean square spread of points seen along a unit direction, divided by their spread in space: 0 to 1, 1 for one
+/// point.
 fn breadth(points: &[DVec3], direction: DVec3) -> f64 {
     let centre = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let (all, along) = points
@@ -106,7 +109,7 @@ mod tests {
     #[test]
     fn a_weld_on_a_leaning_face_is_seen_from_above_although_more_of_it_is_seen_from_below() {
         let half = DVec3::new(0.02, 0.01, 0.02);
-        // The face leans forward, so that it faces down by 52 degrees.
+        // The face leans forward, so that it faces down by 52°.
         let tilt = glam::DMat3::from_rotation_x(-0.9);
         let part = |p: DVec3| {
             let q = (tilt.transpose() * p).abs() - half;

@@ -1,8 +1,8 @@
-//! Colours for a scalar: perceptually uniform, rising in lightness, safe for colour-blind eyes.
+//! Colour map for a scalar: perceptually uniform, with increasing lightness, safe for colour-blind readers.
 //!
-//! A path through the Oklab space (Ottosson 2020) from indigo through teal to yellow, the order of hues that viridis
-//! (Smith & van der Walt 2015) and cividis (Nuñez, Anderton & Renslow 2018) use: lightness rises linearly, and
-//! blue to yellow is the one opponent pair that red-green blindness leaves.
+//! A path through the Oklab space (Ottosson 2020) from indigo through teal to yellow, with the order of hues of viridis
+//! (Smith & van der Walt 2015) and cividis (Nuñez, Anderton & Renslow 2018). Lightness rises linearly, and blue to
+//! yellow is the one opponent pair that remains in red-green blindness.
 
 use glam::{Mat3, Vec3};
 
@@ -18,13 +18,13 @@ const PATH: [Vec3; 6] = [
 
 /// Linear RGB for a value; values outside 0 to 1 take the end's colour.
 pub fn colour_map(value: f32) -> Vec3 {
-    // The larger of zero and NaN is zero: NaN takes the first colour.
+    // The maximum of zero and NaN is zero: NaN takes the first colour.
     let at = value.max(0.0).clamp(0.0, 1.0) * (PATH.len() - 1) as f32;
     let from = (at as usize).min(PATH.len() - 2);
     oklab_to_linear(smooth_path(from, at - from as f32)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Catmull-Rom spline between two points of the path, so that no step in hue shows.
+/// Catmull-Rom spline between two points of the path, so that the hue has no visible step.
 fn smooth_path(from: usize, t: f32) -> Vec3 {
     let last = PATH.len() - 1;
     let (a, b) = (PATH[from], PATH[from + 1]);
@@ -35,7 +35,7 @@ fn smooth_path(from: usize, t: f32) -> Vec3 {
     a * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + slope_b * (t3 - t2)
 }
 
-/// Ottosson 2020, "A perceptual color space for image processing".
+/// Converts Oklab to linear RGB (Ottosson 2020, "A perceptual color space for image processing").
 fn oklab_to_linear(lab: Vec3) -> Vec3 {
     let cone_roots = Mat3::from_cols(
         Vec3::ONE,
@@ -59,7 +59,7 @@ mod tests {
         116.0 * c.dot(Vec3::new(0.2126, 0.7152, 0.0722)).cbrt() - 16.0
     }
 
-    /// What a deuteranope sees, Viénot, Brettel & Mollon 1999.
+    /// Colour as perceived by a deuteranope (Viénot, Brettel & Mollon 1999).
     fn deuteranope(c: Vec3) -> Vec3 {
         let yellow = 0.292_75 * c.x + 0.707_25 * c.y;
         Vec3::new(yellow, yellow, -0.022_34 * c.x + 0.022_34 * c.y + c.z)

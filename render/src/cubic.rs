@@ -1,12 +1,12 @@
-//! φ along a ray within one cell is a cubic polynomial (Parker et al. 1998), so the surface is met at its first root.
+//! φ along a ray within one cell is a cubic polynomial (Parker et al. 1998); the surface is at its first root.
 
 use super::lanes::{LANES, Lanes, any};
 use shaders::constants::{CUBIC_RESOLUTION, CUBIC_STEPS};
 
-/// First place (0 to 1) at which a cubic is zero or below, or `None` if it stays above.
+/// First position (0 to 1) at which a cubic is zero or negative; `None` if it stays positive.
 ///
-/// `values`: the cubic at 0, 1/3, 2/3 and 1. The interval is split at the extrema, between which the cubic is
-/// monotone and a bracket cannot miss (Marmitt et al. 2004).
+/// `values`: the cubic at 0, 1/3, 2/3 and 1. The interval is split at the extrema; between them the cubic is monotone,
+/// so bracketing misses no root (Marmitt et al. 2004).
 pub(crate) fn first_root(values: [f32; 4]) -> Option<f32> {
     if values[0] <= 0.0 {
         return Some(0.0);
@@ -19,7 +19,7 @@ pub(crate) fn first_root(values: [f32; 4]) -> Option<f32> {
         }
         low = high;
     }
-    // Rounding may lift the polynomial off its own last value.
+    // Rounding may move the polynomial above its own last value.
     (values[3] <= 0.0).then_some(1.0)
 }
 
@@ -35,12 +35,12 @@ fn at([a, b, c, d]: [f32; 4], u: f32) -> f32 {
     a + u * (b + u * (c + u * d))
 }
 
-/// Places of the extrema within (0, 3), in order.
+/// Positions of the extrema within (0, 3), in order.
 fn extrema(cubic: [f32; 4]) -> [Option<f32>; 2] {
     turns(cubic).map(|(u, is_within)| is_within.then_some(u))
 }
 
-/// Places of the extrema in order, and whether each is within (0, 3).
+/// Positions of the extrema in order, each with a flag that is true if it lies within (0, 3).
 #[inline(always)]
 fn turns([_, b, c, d]: [f32; 4]) -> [(f32, bool); 2] {
     // Roots of 3 d u² + 2 c u + b in the form that neither divides by a small d nor cancels.
@@ -51,8 +51,8 @@ fn turns([_, b, c, d]: [f32; 4]) -> [(f32, bool); 2] {
     [u, v].map(|u| (u, (u > 0.0) & (u < 3.0)))
 }
 
-/// Root between a place above zero and one at or below it: Newton's steps from the chord's root, halving where one would
-/// leave the bracket.
+/// Finds the root between a position above zero and one at or below zero: Newton steps from the secant's root, and
+/// bisection if a step leaves the bracket.
 fn root_between(cubic: [f32; 4], mut above: f32, mut below: f32) -> f32 {
     let (high, low) = (at(cubic, above), at(cubic, below));
     let mut u = above + (below - above) * (high / (high - low));
@@ -79,7 +79,7 @@ fn slope([_, b, c, d]: [f32; 4], u: f32) -> f32 {
     b + u * (2.0 * c + u * (3.0 * d))
 }
 
-/// As [`first_root`] for the cubic of each lane that is `wanted`; infinite where one stays above zero.
+/// [`first_root`] for the cubic of each lane that is `wanted`; infinite if a cubic stays positive.
 #[inline(always)]
 pub(crate) fn first_roots(values: &[Lanes; 4], wanted: &[bool; LANES]) -> Lanes {
     let (mut cubics, mut above, mut below) = ([[0.0; LANES]; 4], [0.0; LANES], [0.0; LANES]);

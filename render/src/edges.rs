@@ -1,17 +1,17 @@
-//! Drawn edges: silhouettes and creases a shade darker, so that a grey part reads like a technical drawing.
+//! Drawn edges: silhouettes and creases are darkened, so that a grey part reads like a technical drawing.
 
 use super::camera::Camera;
 use super::shade::smooth_step;
 use super::surface::{Surface, Surfaces};
 
-/// Darkening of a full edge, 0 to 1.
+/// Darkening at full edge strength, 0 to 1.
 const STRENGTH: f32 = 0.6;
-/// Cosine of the angle between neighbouring normals at which a crease begins and is full.
+/// Cosine of the angle between neighbouring normals at which a crease starts, and at which it has full strength.
 const CREASE: (f32, f32) = (0.93, 0.6);
-/// Step in depth against the tangent plane at which an edge begins and is full [samples].
+/// Step in depth relative to the tangent plane at which an edge starts, and at which it has full strength [samples].
 const STEP: (f32, f32) = (3.0, 8.0);
 
-/// Factor for the colour at a sample, 1 away from edges.
+/// Colour factor at a sample; 1 away from edges.
 pub(crate) fn edge_factor(surfaces: &Surfaces, camera: &Camera, x: usize, y: usize) -> f32 {
     let Some(here) = &surfaces.samples[y * surfaces.width + x] else {
         return 1.0;
@@ -30,7 +30,7 @@ pub(crate) fn edge_factor(surfaces: &Surfaces, camera: &Camera, x: usize, y: usi
     1.0 - STRENGTH * edge
 }
 
-/// Edge between two neighbouring samples, 0 to 1; only the nearer side of a step is darkened.
+/// Edge strength between two neighbouring samples, 0 to 1; only the nearer side of a step is darkened.
 fn between(here: &Surface, there: &Surface, size: f32) -> f32 {
     let crease = 1.0 - smooth_step(CREASE.1, CREASE.0, here.normal.dot(there.normal));
     let off_plane = (there.position - here.position).dot(here.normal).abs() / size.max(f32::MIN_POSITIVE);

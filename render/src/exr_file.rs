@@ -1,4 +1,4 @@
-//! The float buffers of a frame as one OpenEXR file, read by Blender, Nuke, OpenCV and Python's `OpenEXR`.
+//! Writes the float buffers of a frame as one OpenEXR file, which Blender, Nuke, OpenCV and Python's `OpenEXR` read.
 
 use std::io::Cursor;
 
@@ -10,13 +10,13 @@ use glam::Vec3;
 
 use super::frame::Frame;
 
-/// Encodes a frame: one part without a name, 32-bit float channels without loss, one value a pixel.
+/// Encodes a frame: one unnamed part with lossless 32-bit float channels, one value per pixel.
 ///
 /// `R`, `G`, `B` linear colour; `Z` depth [m], infinite for background; `normal.X`, `.Y`, `.Z`; `position.X`, `.Y`,
 /// `.Z` [m]; `weld` id; `dose` D; `removed` depth [m]; `seen` 0 background, 1 part, 2 table.
 ///
 /// # Errors
-/// When the encoder refuses, for example a picture without pixels.
+/// The encoder's error, for example for a picture without pixels.
 pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
     let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
     let along = |vectors: &[Vec3], axis: usize| vectors.iter().map(|v| v[axis]).collect::<Vec<f32>>();
@@ -35,7 +35,7 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
     channels.push(channel("seen", frame.seen.iter().map(|&seen| f32::from(seen as u8)).collect()));
     let layer = Layer::new(
         (frame.width, frame.height),
-        // Blender takes the name of a part for the layer of all channels and then finds neither colour nor passes.
+        // Blender takes a part's name as the layer of all channels, and then finds neither colour nor passes.
         LayerAttributes::default(),
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),

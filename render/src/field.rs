@@ -1,4 +1,4 @@
-//! A grid ready to be looked at from any side.
+//! A grid prepared for ray tracing.
 
 use std::sync::OnceLock;
 
@@ -11,29 +11,30 @@ use super::occupancy::{Blocks, occupancy};
 use super::padded::Padded;
 use super::walk::{integers, nearest_whole};
 
-/// A grid and where in it rays can meet the surface. Made once for a state of the part, used for any number of rays.
+/// A grid and the places where rays can meet its surface. Built once for a state of the part, used for any number of
+/// rays.
 #[derive(Clone, Debug)]
 pub struct Field<'a> {
     /// The part.
     pub grid: &'a BrickGrid,
-    /// The grid's index with what is free around each brick.
+    /// The grid's index with the free distance around each brick.
     pub(crate) index: Index,
-    /// Blocks of each brick with a voxel in the metal.
+    /// Blocks of each brick that contain a voxel inside the metal.
     pub(crate) metal: Vec<Blocks>,
-    /// Blocks of each brick with a voxel outside.
+    /// Blocks of each brick that contain a voxel outside.
     pub(crate) air: Vec<Blocks>,
-    /// Box of the bricks that hold metal, from the lowest voxel of the index [voxels].
+    /// Bounding box of the bricks that contain metal, relative to the lowest voxel of the index [voxels].
     pub(crate) metal_box: (Vec3, Vec3),
     /// Lowest voxel of the index [voxels].
     pub(crate) lowest: DVec3,
-    /// Voxels in a metre.
+    /// Voxels per metre.
     pub(crate) per_metre: f64,
-    /// φ for many samples at a time, made when first asked for.
+    /// φ padded for reading many samples at a time; built on first use.
     padded: OnceLock<Padded>,
 }
 
 impl<'a> Field<'a> {
-    /// Looks through the whole pool once.
+    /// Scans the whole pool once.
     pub fn new(grid: &'a BrickGrid) -> Self {
         let (metal, air) = occupancy(grid);
         let occupied = grid.bricks.iter().zip(&metal).filter(|(_, blocks)| blocks.0 != 0).map(|(&brick, _)| brick);
@@ -49,20 +50,20 @@ impl<'a> Field<'a> {
         Self { grid, index, metal, air, metal_box, lowest, per_metre, padded: OnceLock::new() }
     }
 
-    /// φ of each brick with what lies around it.
+    /// φ of each brick with the voxels around it.
     pub(crate) fn padded(&self) -> &Padded {
-        // On this thread alone: others that wait for it may be those that would help.
+        // Built on this thread alone: threads that wait for it might be the ones that should help.
         self.padded.get_or_init(|| Padded::new(self))
     }
 
-    /// A point [m] in voxels from the lowest voxel of the index.
+    /// Converts a point [m] to voxels from the lowest voxel of the index.
     #[inline]
     pub(crate) fn in_voxels(&self, point: DVec3) -> Vec3 {
         (point * self.per_metre - self.lowest).as_vec3()
     }
 
-    /// The eight corners of a cell, z fastest, of values kept for each voxel of the pool; its lowest corner is counted
-    /// from the lowest voxel of the index.
+    /// Returns the values at the eight corners of a cell, z fastest, from values stored per voxel of the pool. `corner`
+    /// is relative to the lowest voxel of the index.
     #[inline]
     pub(crate) fn cell<T: Copy>(&self, corner: IVec3, values: &[T], outside: T, inside: T) -> [T; 8] {
         let (local, Some(place)) = (corner & 7, self.index.place(corner >> 3)) else { return [outside; 8] };
@@ -80,7 +81,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// As [`Field::cell`] for a cell between bricks.
+    /// [`Field::cell`] for a cell that spans several bricks.
     fn cell_between<T: Copy>(&self, place: usize, local: IVec3, values: &[T], outside: T, inside: T) -> [T; 8] {
         let block = Block::<2>::new(self, place, local);
         let mut cell = [outside; 8];
@@ -96,9 +97,9 @@ impl<'a> Field<'a> {
         self.cell(corner, &self.grid.phi, self.grid.band, -self.grid.band)
     }
 
-    /// Outward unit normal at a point in voxels from differences two voxels wide, or `None` where φ is flat. They equal
-    /// the voxels' central differences interpolated trilinearly, so unlike narrower ones they do not jump or kink from
-    /// cell to cell.
+    /// Outward unit normal at a point [voxels], from differences over two voxels; `None` where φ is constant. They
+    /// equal the voxels' central differences interpolated trilinearly; unlike narrower ones they do not jump from cell
+    /// to cell.
     pub(crate) fn normal(&self, at: Vec3) -> Option<Vec3> {
         let (corner, f) = cell_of(at);
         let low = corner - 1;
@@ -137,7 +138,7 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// The cell of a point and where in the cell the point is, 0 to 1.
+/// Returns the cell of a point and the position within it, 0 to 1.
 #[inline]
 pub(crate) fn cell_of(at: Vec3) -> (IVec3, Vec3) {
     let at = Vec3A::from(at);
@@ -146,17 +147,17 @@ pub(crate) fn cell_of(at: Vec3) -> (IVec3, Vec3) {
     (integers(low), (at - low).into())
 }
 
-/// Where the N³ voxels from a lowest one on are: in up to eight bricks.
+/// Addresses of N³ voxels, which lie in up to eight bricks.
 struct Block<'a, const N: usize> {
     index: &'a Index,
-    /// Entry of the brick of the lowest.
+    /// Index entry of the lowest voxel's brick.
     place: usize,
-    /// For each axis and each step along it: how much farther the entry is, and part of the offset in the brick.
+    /// For each axis and each step along it: offset of the entry, and this axis's part of the offset in the brick.
     steps: [[(usize, usize); N]; 3],
 }
 
 impl<'a, const N: usize> Block<'a, N> {
-    /// `place`: entry of the brick of the lowest voxel; `local`: that voxel in the brick.
+    /// `place`: index entry of the lowest voxel's brick; `local`: that voxel within the brick.
     #[inline]
     fn new(field: &'a Field, place: usize, local: IVec3) -> Self {
         let index = &field.index;
@@ -171,7 +172,7 @@ impl<'a, const N: usize> Block<'a, N> {
         Self { index, place, steps }
     }
 
-    /// Value of a voxel, counted from the lowest.
+    /// Value of a voxel, counted from the lowest one.
     #[inline]
     fn at<T: Copy>(&self, x: usize, y: usize, z: usize, values: &[T], outside: T, inside: T) -> T {
         let (x, y, z) = (self.steps[0][x], self.steps[1][y], self.steps[2][z]);

@@ -1,6 +1,6 @@
-//! A small bitmap font: capitals and digits are five by seven dots, two rows below the line hold descenders.
+//! A small bitmap font: capitals and digits are 5 × 7 dots, and two rows below the baseline hold descenders.
 
-/// Dots across a glyph.
+/// Dots per row of a glyph.
 pub(crate) const GLYPH_WIDTH: usize = 5;
 /// Rows of a glyph.
 pub(crate) const GLYPH_HEIGHT: usize = 9;

@@ -1,14 +1,14 @@
-//! What a rendering gives: float buffers, and the eight-bit picture made from them.
+//! Result of a rendering: float buffers, and the eight-bit picture made from them.
 
 use glam::Vec3;
 
 use super::colour::to_srgb8;
 
-/// What a pixel shows: the visibility mask.
+/// Object that a pixel shows: the visibility mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Seen {
-    /// The room behind the scene.
+    /// The background behind the scene.
     #[default]
     Background = 0,
     /// The part.
@@ -40,21 +40,21 @@ pub struct Frame {
     pub dose: Vec<f32>,
     /// Removed depth [m]; 0 where nothing was removed and for background.
     pub removed: Vec<f32>,
-    /// Whether the pixel's centre shows the part.
+    /// Object at the pixel's centre.
     pub seen: Vec<Seen>,
-    /// Removed depth that has the colour map's last colour [m], if removed depth was drawn.
+    /// Removed depth of the colour map's last colour [m], if removed depth was drawn.
     pub removed_full_scale: Option<f64>,
 }
 
 impl Frame {
-    /// A frame in which nothing is seen.
+    /// A frame that shows only background.
     pub fn empty(width: usize, height: usize) -> Self {
         let mut frame = Self::zeroed(width, height);
         frame.depth.fill(f32::INFINITY);
         frame
     }
 
-    /// Makes it a frame of a size, all of whose pixels must yet be written: its memory is used again where it fits.
+    /// Resizes the frame; all pixels must then be written. Its memory is reused if the size is unchanged.
     pub(crate) fn be_of_size(&mut self, width: usize, height: usize) {
         self.removed_full_scale = None;
         if (self.width, self.height) != (width, height) {
@@ -79,7 +79,7 @@ impl Frame {
         }
     }
 
-    /// The colour as an eight-bit sRGB picture.
+    /// Converts the colour to an eight-bit sRGB picture.
     pub fn to_srgb8(&self) -> Picture {
         let rgb = self.colour.iter().flat_map(|&colour| to_srgb8(colour)).collect();
         Picture { width: self.width, height: self.height, rgb }
@@ -114,7 +114,7 @@ impl Picture {
         }
     }
 
-    /// Copies another picture with its top left corner at `(x, y)`; what does not fit is left out.
+    /// Copies another picture with its top left corner at `(x, y)`; parts outside are clipped.
     pub fn paste(&mut self, (x, y): (usize, usize), other: &Picture) {
         let columns = other.width.min(self.width.saturating_sub(x));
         for row in 0..other.height.min(self.height.saturating_sub(y)) {

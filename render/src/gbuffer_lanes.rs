@@ -1,4 +1,4 @@
-//! What the rays of a tile meet, from the places in the image to the geometry buffers, in lanes.
+//! Geometry buffers of a tile, computed in lanes from its image positions.
 
 use glam::{DVec3, IVec3, Vec3};
 use sdf_bake::grid::trilinear;
@@ -13,17 +13,17 @@ use super::scene::Stage;
 use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};
 use super::walk::integers;
 
-/// What rays meet; zeros where they meet nothing, but for their directions.
+/// Surface samples at the rays' hits; all values except directions are zero without a hit.
 pub(crate) struct Samples {
     /// Unit directions of the rays.
     pub(crate) directions: Points,
     pub(crate) is_part: [bool; LANES],
     pub(crate) is_table: [bool; LANES],
-    /// Along the camera's axis [m]; infinite where nothing is met.
+    /// Distance along the camera's axis [m]; infinite without a hit.
     pub(crate) depth: Lanes,
-    /// In the part's frame [m].
+    /// Positions in the part's frame [m].
     pub(crate) positions: Points,
-    /// The same from the lowest voxel of the index [voxels].
+    /// Positions relative to the lowest voxel of the index [voxels].
     pub(crate) points: Points,
     /// Outward unit normals.
     pub(crate) normals: Points,
@@ -37,7 +37,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Of no rays.
+    /// Samples without rays.
     const NONE: Self = Self {
         directions: Points::ZERO,
         is_part: [false; LANES],
@@ -52,7 +52,7 @@ impl Samples {
         removed: [0.0; LANES],
     };
 
-    /// What one shows.
+    /// Object that a lane shows.
     #[inline(always)]
     pub(crate) fn seen(&self, lane: usize) -> Seen {
         match (self.is_part[lane], self.is_table[lane]) {
@@ -63,16 +63,16 @@ impl Samples {
     }
 }
 
-/// Rays through places of the image, and what they meet: a call that is compiled for each kind of lanes.
+/// Rays through image positions, and the surfaces that they meet; compiled by `pulp` for each instruction set.
 pub(crate) struct Sight<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) at: &'a Places,
-    /// Length from the start of each ray on which it is known to meet no metal [m].
+    /// Length from the start of each ray that is known to be free of metal [m].
     pub(crate) clear: f64,
 }
 
-/// Length from the start of each ray between some places on which it meets no metal [m]: a call that is compiled for each
-/// kind of lanes.
+/// Length from the start of each ray between some image positions that is free of metal [m]; compiled by `pulp` for
+/// each instruction set.
 pub(crate) struct Clear<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) at: &'a Places,
@@ -111,10 +111,11 @@ impl pulp::NullaryFnOnce for Sight<'_> {
     }
 }
 
-// All below is inlined into that call, or it would not be compiled for its lanes.
+// Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
 impl Sight<'_> {
-    /// Where rays meet part or table. Gives the points from the lowest voxel of the index, rounded once [voxels].
+    /// Finds the positions where rays meet part or table. Returns them relative to the lowest voxel of the index,
+    /// rounded once [voxels].
     #[inline(always)]
     fn place(&self, rays: &Rays, distances: &Wide, samples: &mut Samples) -> Points {
         let (stage, field) = (self.stage, &self.stage.scene.field);
@@ -142,7 +143,7 @@ impl Sight<'_> {
         at
     }
 
-    /// Distances along the rays to the table's top [m]; infinite for those that miss it or start below.
+    /// Distances along the rays to the table's top [m]; infinite for rays that miss it or start below it.
     #[inline(always)]
     fn table_distances(&self, rays: &Rays) -> Wide {
         let mut distances = [f64::INFINITY; LANES];
@@ -158,7 +159,7 @@ impl Sight<'_> {
         distances
     }
 
-    /// Normals and channels of the grid where rays meet the part.
+    /// Reads normals and channels of the grid where rays meet the part.
     #[inline(always)]
     fn look(&self, at: &Points, samples: &mut Samples) {
         let field = &self.stage.scene.field;
@@ -194,7 +195,7 @@ impl Sight<'_> {
     }
 }
 
-/// What was found in the cell that was looked into last, which neighbouring samples often share.
+/// Result for the cell that was read last, which neighbouring samples often share.
 struct Last<T> {
     low: Vec3,
     found: T,

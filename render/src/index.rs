@@ -1,11 +1,11 @@
-//! The index of a grid with a border of empty bricks around it, and how far around each brick a ray has nothing to look
-//! for.
+//! The index of a grid with a border of empty bricks, and the distance around each brick that a ray can skip.
 //!
 //! ```text
-//!   3 3 3 3 3      every entry knows the cube of bricks around it that is free (Chebyshev distance, by two sweeps:
-//!   2 2 2 2 2      Rosenfeld & Pfaltz 1966), so a ray crosses it in one stride
+//!   3 3 3 3 3      every entry stores the size of the free cube of bricks around it (Chebyshev distance, in two
+//! sweeps:
+//!   2 2 2 2 2      Rosenfeld & Pfaltz 1966), so a ray crosses it in one step
 //!   1 1 1 1 2
-//!   0 0 0 1 2      0: look into it
+//!   0 0 0 1 2      0: the brick must be examined
 //! ```
 
 use glam::{IVec3, UVec3};
@@ -14,10 +14,10 @@ use sdf_bake::grid::{INSIDE, OUTSIDE};
 
 use super::occupancy::Blocks;
 
-/// Free bricks counted to one side; more would shorten no ray by much.
+/// Greatest counted free distance [bricks]; a larger one would shorten few rays.
 const MOST_FREE: u8 = 100;
 
-/// Stands for a distance before the sweeps, which leave it to the border.
+/// Distance before the sweeps; after them it remains only at the border.
 const UNKNOWN: u8 = u8::MAX;
 
 /// One brick of the index.
@@ -25,26 +25,27 @@ const UNKNOWN: u8 = u8::MAX;
 pub(crate) struct Entry {
     /// Slot in the pool, [`OUTSIDE`] or [`INSIDE`].
     pub(crate) slot: u32,
-    /// Bricks from this one to the nearest that holds metal, diagonal steps counted as one; 0 where this one does.
+    /// Distance from this brick to the nearest with metal [bricks], diagonal steps counted as one; 0 if this one has
+    /// metal.
     pub(crate) to_metal: u8,
-    /// Bricks to the nearest that is not outside.
+    /// Distance to the nearest brick that is not outside [bricks].
     pub(crate) to_brick: u8,
 }
 
-/// What stands for entries beyond the border.
+/// Entry used beyond the border.
 pub(crate) const BEYOND: Entry = Entry { slot: OUTSIDE, to_metal: 1, to_brick: 1 };
 
-/// Entries of all bricks of a grid and of one brick more on every side. Bricks are counted from the grid's first.
+/// Entries of all bricks of a grid and of a border one brick wide. Brick coordinates count from the grid's first brick.
 #[derive(Clone, Debug)]
 pub(crate) struct Index {
     entries: Vec<Entry>,
     dims: UVec3,
-    /// From an entry to its next along each axis.
+    /// Offset from an entry to the next along each axis.
     pub(crate) steps: [usize; 3],
 }
 
 impl Index {
-    /// `metal`: blocks of each brick with a voxel in the metal.
+    /// `metal`: blocks of each brick that contain a voxel inside the metal.
     pub(crate) fn new(grid: &BrickGrid, metal: &[Blocks]) -> Self {
         let dims = grid.dims.as_uvec3();
         let (y, z) = (dims.y as usize + 2, dims.z as usize + 2);
@@ -65,7 +66,7 @@ impl Index {
         index
     }
 
-    /// Number of places.
+    /// Number of entries, border included.
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
@@ -76,7 +77,7 @@ impl Index {
         (1..=dims.x).flat_map(move |i| (1..=dims.y).map(move |j| i * x + j * y + z))
     }
 
-    /// One step more than the least of the 13 neighbours that the sweep has passed.
+    /// Sets each distance to at most one more than the least of the 13 neighbours that the sweep has passed.
     fn sweep(&mut self, places: impl Iterator<Item = usize>, back: impl Fn(usize, usize) -> usize) {
         let [x, y, z] = self.steps;
         let plane = [x - y - z, x - y, x - y + z, x - z, x, x + z, x + y - z, x + y, x + y + z];
@@ -90,7 +91,7 @@ impl Index {
         }
     }
 
-    /// Place of a brick's entry, or `None` beyond the border. The next entry along each axis exists, too.
+    /// Index of a brick's entry, or `None` beyond the border. The next entry along each axis also exists.
     #[inline]
     pub(crate) fn place(&self, brick: IVec3) -> Option<usize> {
         let (at, dims, [x, y, _]) = ((brick + 1).as_uvec3(), self.dims, self.steps);
@@ -104,13 +105,13 @@ impl Index {
         self.place(brick).map_or(BEYOND, |place| self.entries[place])
     }
 
-    /// Entry at a place.
+    /// Entry at an index.
     #[inline]
     pub(crate) fn at(&self, place: usize) -> Entry {
         self.entries[place]
     }
 
-    /// Slot at a place.
+    /// Slot at an index.
     #[inline]
     pub(crate) fn slot(&self, place: usize) -> u32 {
         self.entries[place].slot

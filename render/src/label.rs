@@ -1,30 +1,30 @@
-//! Index labels of an image: which pixels show sanded coating, and which cannot tell.
+//! Index labels of an image: pixels with sanded coating, pixels with intact coating, and undecided pixels.
 //!
-//! Both labels start from the share of the coating that is gone at a pixel, 0 to 1: by the dose it is min(D, 1), by
-//! appearance it is how far the pixel changed on its way from the unsanded to the bare reference,
-//! |I − I_unsanded| / |I_bare − I_unsanded|, all three rendered without noise by the same camera in the same light.
+//! Both labels start from the share of the coating that is removed at a pixel, 0 to 1. By dose it is min(D, 1). By
+//! appearance it is the change of the pixel relative to that from the unsanded to the bare reference, |I − I_unsanded|
+//! / |I_bare − I_unsanded|; all three are rendered without noise with the same camera and light.
 
-/// Not the workpiece.
+/// Outside the workpiece.
 pub const BACKGROUND: u8 = 0;
-/// The workpiece, its coating gone.
+/// The workpiece with its coating removed.
 pub const SANDED: u8 = 1;
-/// The workpiece, its coating whole.
+/// The workpiece with intact coating.
 pub const UNSANDED: u8 = 2;
-/// Next to another class, or unclear.
+/// Next to another class, or undecided.
 pub const IGNORE: u8 = 255;
 
-/// Share of the coating gone from which on a pixel is sanded.
+/// Share of removed coating from which a pixel is labelled sanded.
 pub const SANDED_FROM: f32 = 0.75;
-/// Share of the coating gone up to which a pixel is unsanded; between the two the coating is thinned and unclear.
+/// Share of removed coating up to which a pixel is labelled unsanded; between the two limits it is undecided.
 pub const UNSANDED_TO: f32 = 0.25;
-/// Least change of appearance from unsanded to bare that tells anything, Euclidean in display code from 0 to 1: about 15
-/// of 255 codes in one channel.
+/// Least difference in appearance between unsanded and bare that is used: Euclidean distance in display code (0 to 1),
+/// about 15 of 255 codes in one channel.
 pub const LEAST_CONTRAST: f32 = 0.06;
 
-/// A colour in display code: each channel 0 to 1, steps about equal to the eye.
+/// A colour in display code: each channel 0 to 1, with perceptually similar steps.
 pub type Colour = [f32; 3];
 
-/// Share of the coating gone by what is seen; `None` where bare metal would look much the same.
+/// Share of removed coating by appearance; `None` if bare metal looks too similar to the coating.
 pub fn seen_share(seen: Colour, unsanded: Colour, bare: Colour) -> Option<f32> {
     let distance = |a: Colour, b: Colour| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
     let contrast = distance(bare, unsanded);
@@ -33,7 +33,7 @@ pub fn seen_share(seen: Colour, unsanded: Colour, bare: Colour) -> Option<f32> {
 
 /// Labels of an image, row by row from the top left.
 ///
-/// `share(pixel)`: `None` beside the workpiece; else the share of coating gone, or `None` where that is unclear.
+/// `share(pixel)`: `None` outside the workpiece; otherwise the share of removed coating, or `Some(None)` if undecided.
 pub fn labels(width: usize, height: usize, share: impl Fn(usize) -> Option<Option<f32>>) -> Vec<u8> {
     let class = |pixel: usize| match share(pixel) {
         None => BACKGROUND,
@@ -55,12 +55,13 @@ pub fn labels(width: usize, height: usize, share: impl Fn(usize) -> Option<Optio
     (0..classes.len()).map(|pixel| if at_border(pixel) { IGNORE } else { classes[pixel] }).collect()
 }
 
-/// Pixels of each class: background, sanded, unsanded, ignored.
+/// Number of pixels of each class: background, sanded, unsanded, ignored.
 pub fn counts(labels: &[u8]) -> [u64; 4] {
     [BACKGROUND, SANDED, UNSANDED, IGNORE].map(|class| labels.iter().filter(|&&label| label == class).count() as u64)
 }
 
-/// Share of the pixels that both labels call sanded or unsanded to which they give the same class; `None` without any.
+/// Share of equal classes among the pixels that both labels call sanded or unsanded; `None` if there are no such
+/// pixels.
 pub fn agreement(one: &[u8], other: &[u8]) -> Option<f64> {
     let known = |label: u8| label == SANDED || label == UNSANDED;
     let both = || one.iter().zip(other).filter(|(a, b)| known(**a) && known(**b));
@@ -74,7 +75,7 @@ mod tests {
 
     #[test]
     fn classes_are_divided_by_a_border_that_is_ignored() {
-        // Background, then coating gone by a share that rises from 0 to 1.
+        // Background, then a share of removed coating that rises from 0 to 1.
         let share = |pixel: usize| (pixel % 9 > 1).then(|| Some((pixel % 9 - 2) as f32 / 6.0));
         let labels = labels(9, 3, share);
         for row in labels.chunks(9) {

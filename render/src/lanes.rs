@@ -1,19 +1,19 @@
-//! The samples of a tile side by side: loops over lanes, which a compiler makes vectors of.
+//! The samples of a tile in structure-of-arrays form: loops over lanes, which the compiler vectorises.
 //!
-//! Every lane does the same operations in the same order, none of them fused, so a lane has the same bits wherever it
-//! stands and on every processor.
+//! Every lane does the same operations in the same order, none of them fused, so a sample gives the same bits in any
+//! lane and on every processor.
 
 use glam::Vec3;
 
 use super::walk::WHOLE;
 
-/// Samples that are looked at together.
+/// Number of samples that are processed together.
 pub(crate) const LANES: usize = 16;
 
-/// One number of each sample.
+/// One number per sample.
 pub(crate) type Lanes = [f32; LANES];
 
-/// Points or vectors of the samples by their components.
+/// Points or vectors of the samples, by component.
 #[derive(Clone, Copy)]
 pub(crate) struct Points {
     pub(crate) x: Lanes,
@@ -21,17 +21,17 @@ pub(crate) struct Points {
     pub(crate) z: Lanes,
 }
 
-/// The directions of rays.
+/// Directions of rays.
 pub(crate) struct Directions {
     pub(crate) along: Points,
-    /// Of each component; a huge number for zero.
+    /// Reciprocal of each component; a huge number for zero.
     pub(crate) inverse: Points,
 }
 
 impl Points {
     pub(crate) const ZERO: Self = Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] };
 
-    /// Of one lane.
+    /// Vector of one lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
@@ -42,7 +42,7 @@ impl Points {
         (self.x[lane], self.y[lane], self.z[lane]) = (point.x, point.y, point.z);
     }
 
-    /// Middle of the box around those that are `wanted`, and the largest distance from it.
+    /// Centre of the bounding box of the `wanted` points, and their greatest distance from it.
     #[inline(always)]
     pub(crate) fn around(&self, wanted: &[bool; LANES]) -> (Vec3, f32) {
         let range = |axis: &Lanes| {
@@ -63,7 +63,7 @@ impl Points {
         (middle, joined(squares, larger).sqrt())
     }
 
-    /// The points moved along directions, each by its own length.
+    /// Moves the points along directions, each by its own length.
     #[inline(always)]
     pub(crate) fn moved(&self, directions: &Self, lengths: &Lanes) -> Self {
         let mut moved = Self::ZERO;
@@ -75,8 +75,8 @@ impl Points {
         moved
     }
 
-    /// Lowest corners of the points' cells; of the next lower cells for points on a border that `directions` run down
-    /// across.
+    /// Lowest corners of the points' cells. For a point on a cell border that its direction crosses downwards, the next
+    /// lower cell is taken.
     #[inline(always)]
     pub(crate) fn corners(&self, directions: &Self) -> Self {
         let mut corners = Self::ZERO;
@@ -90,7 +90,7 @@ impl Points {
 }
 
 impl Directions {
-    /// Of unit vectors.
+    /// Directions from unit vectors.
     #[inline(always)]
     pub(crate) fn new(along: Points) -> Self {
         let mut inverse = Points::ZERO;
@@ -102,14 +102,14 @@ impl Directions {
         Self { along, inverse }
     }
 
-    /// The same for all lanes.
+    /// The same direction in all lanes.
     #[inline(always)]
     pub(crate) fn all(direction: Vec3) -> Self {
         let [x, y, z] = direction.to_array().map(|component| [component; LANES]);
         Self::new(Points { x, y, z })
     }
 
-    /// Length from a point of a lane to where its ray leaves the cube with the lowest corner `low`.
+    /// Length from a point of a lane to the position at which its ray leaves the cube with lowest corner `low`.
     #[inline(always)]
     pub(crate) fn length_in(&self, lane: usize, at: Vec3, low: Vec3, side: f32) -> f32 {
         let along = |at: f32, low: f32, slope: f32, inverse: f32| {
@@ -124,7 +124,7 @@ impl Directions {
     }
 }
 
-/// All lanes joined two by two.
+/// Reduces all lanes pairwise.
 #[inline(always)]
 fn joined(mut lanes: Lanes, join: impl Fn(f32, f32) -> f32) -> f32 {
     let mut half = LANES / 2;
@@ -137,19 +137,19 @@ fn joined(mut lanes: Lanes, join: impl Fn(f32, f32) -> f32) -> f32 {
     lanes[0]
 }
 
-/// The larger of two numbers of which none is NaN.
+/// The larger of two numbers that are not NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The smaller of two numbers of which none is NaN.
+/// The smaller of two numbers that are not NaN.
 #[inline(always)]
 pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// Whether any lane is set.
+/// True if any lane is set.
 #[inline(always)]
 pub(crate) fn any(lanes: &[bool; LANES]) -> bool {
     lanes.iter().fold(false, |any, lane| any | lane)
@@ -168,7 +168,7 @@ fn inverse_of(component: f32) -> f32 {
     if component == 0.0 { f32::MAX } else { inverse }
 }
 
-/// A whole number of less than 2²² as an integer; far beyond any index for others.
+/// Converts a whole number below 2²² to an integer; larger numbers give a value far beyond any index.
 #[inline(always)]
 pub(crate) fn integer(whole: f32) -> i32 {
     ((whole + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32)

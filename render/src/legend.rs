@@ -1,11 +1,11 @@
-//! The colour bar that gives a mapped picture its numbers.
+//! Colour bar that shows the values of a colour-mapped picture.
 
 use super::colour::to_srgb8;
 use super::colour_map::colour_map;
 use super::frame::Picture;
 use super::text::{draw_text, text_size};
 
-/// Intervals between ticks.
+/// Number of intervals between ticks.
 const INTERVALS: usize = 4;
 const INK: [u8; 3] = [38, 44, 52];
 
@@ -19,12 +19,12 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// The legend of removed depth, in millimetres, for a full scale in metres.
+    /// Legend of removed depth in millimetres, for a full scale [m].
     pub fn removed_depth(full_scale: f64) -> Self {
         Self { title: "removed depth [mm]".into(), full_scale: 1e3 * full_scale }
     }
 
-    /// The legend as a picture `width` pixels wide, `scale` pixels to a dot of its text.
+    /// Draws the legend `width` pixels wide, with `scale` pixels per dot of its text.
     pub fn draw(&self, width: usize, scale: usize, paper: [u8; 3]) -> Picture {
         let labels: Vec<String> = (0..=INTERVALS).map(|i| tick_label(self.full_scale, i)).collect();
         let widest = labels.iter().map(|label| text_size(label, scale).0).max().unwrap_or(0);
@@ -51,14 +51,14 @@ impl Legend {
     }
 }
 
-/// The value at a tick, with the digits that tell neighbouring ticks apart and no more.
+/// Label of a tick, with only the digits that distinguish neighbouring ticks.
 fn tick_label(full_scale: f64, tick: usize) -> String {
     let value = full_scale * tick as f64 / INTERVALS as f64;
     if tick == 0 {
         return "0".into();
     }
     let step = full_scale / INTERVALS as f64;
-    // One digit for the step, one more for quarters such as 0.25 and 0.75.
+    // One digit for the step, and one more for quarters such as 0.25 and 0.75.
     let decimals = (1.0 - step.log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }

@@ -3,30 +3,30 @@
 use glam::DVec2;
 use shaders::constants::INVERSION_STEPS;
 
-/// Last step of the inversion, at unit distance: far below what any ray can show.
+/// Step length at which the inversion stops, at unit distance; far below any visible shift.
 const INVERTED: f64 = 1e-11;
 
 /// Distortion of the image plane at unit distance: x to the right, y downwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distortion {
-    /// Coefficients k₁, k₂, k₃ of r², r⁴ and r⁶; k₁ < 0 for a barrel.
+    /// Coefficients k₁, k₂, k₃ of r², r⁴ and r⁶; k₁ < 0 for barrel distortion.
     pub radial: [f64; 3],
-    /// Coefficients p₁ and p₂ of a lens that stands askew.
+    /// Coefficients p₁ and p₂ of a decentred or tilted lens.
     pub tangential: [f64; 2],
 }
 
 impl Distortion {
-    /// Whether it is that of a pinhole.
+    /// True if there is no distortion.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Where a pinhole's image point is imaged.
+    /// Maps a pinhole's image point to the distorted image.
     pub fn distort(&self, at: DVec2) -> DVec2 {
         at * self.stretch(at) + self.shift(at)
     }
 
-    /// The pinhole's image point that is imaged at a place, by fixed-point iteration (Heikkilä & Silvén 1997).
+    /// Maps a distorted image point to the pinhole's, by fixed-point iteration (Heikkilä & Silvén 1997).
     pub fn undistort(&self, imaged: DVec2) -> DVec2 {
         if self.is_none() {
             return imaged;

@@ -1,13 +1,14 @@
 //! Pictures of a part, rendered from its signed distance field. No mesh is extracted and no file is written: a view
-//! gives float buffers ([`Frame`]), and these an eight-bit [`Picture`] or the bytes of an EXR file ([`to_exr`]) for whoever can store one.
+//! gives float buffers ([`Frame`]), which become an eight-bit [`Picture`] or the bytes of an EXR file ([`to_exr`]).
 //!
-//! The stages, in the order in which data meets them:
-//! 1. [`Camera`]: a ray for every sample of the image, bent by the lens ([`Distortion`]);
-//! 2. [`Field`]: strides through empty bricks and blocks, exact root in the trilinear cell;
+//! The stages, in the order of processing:
+//! 1. [`Camera`]: a ray for every sample of the image, with lens distortion ([`Distortion`]);
+//! 2. [`Field`]: large steps through empty bricks and blocks, exact root in the trilinear cell;
 //! 3. geometry buffers: depth, normal, position, weld id, dose, [`removed_depth`], visibility;
-//! 4. light: a [`Scene`] is photographed ([`Material`], [`Marks`], [`Lights`]), a [`View`] is drawn with edges or in the
-//!    [`colour_map`] of removed depth;
-//! 5. [`Sensor`]: blur, exposure and noise; [`label`]: which pixels show sanded coating; [`contact_sheet`]: panels side by side and the legend, in one picture.
+//! 4. light: a [`Scene`] is photographed ([`Material`], [`Marks`], [`Lights`]); a [`View`] is drawn with edges or in
+//!    the [`colour_map`] of removed depth;
+//! 5. [`Sensor`]: blur, exposure and noise; [`label`]: pixels with sanded coating; [`contact_sheet`]: panels and legend
+//!    in one picture.
 //!
 //! Every sample is a pure function of its arguments, so a picture is the same for any number of threads.
 //!
@@ -26,7 +27,7 @@
 //! assert_eq!(frame.to_srgb8().rgb.len(), 3 * 64 * 48);
 //! ```
 
-// Units stand in brackets: `[m]` is no link.
+// Units are in brackets: `[m]` is not a link.
 
 // Loops over lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]

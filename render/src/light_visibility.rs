@@ -1,13 +1,13 @@
-//! How much of a lamp's light reaches the samples of a tile.
+//! Share of a lamp's light that reaches the samples of a tile.
 //!
 //! ```text
-//!   ↗ ↗ ↗ ↗ ↗     rays of neighbouring points towards one lamp run side by side. One ray in their middle tells for all
-//!   · · ◉ · ·     of them, as φ changes by no more than the distance: what is far enough from the middle's cone is
-//!  ───────────    clear of all cones, and what is deep in the metal there is in the metal for all. Else each goes by
-//!                 itself, in lanes.
+//!   ↗ ↗ ↗ ↗ ↗     rays of neighbouring points towards one lamp run side by side. One central ray decides for all of
+//!   · · ◉ · ·     them, since φ changes by no more than the distance: with enough clearance from the central cone all
+//!  ───────────    cones are clear, and a point deep in the metal is in the metal for all. Otherwise each ray is traced
+//!                 alone, in lanes.
 //! ```
 //!
-//! Each share is that of [`Towards::share`]. Lengths are in voxels, from the lowest voxel of the index.
+//! Each share equals that of [`Towards::share`]. Lengths are in voxels, from the lowest voxel of the index.
 
 use glam::{IVec3, Vec3, Vec3A};
 
@@ -19,12 +19,14 @@ use super::shadow::{LEAST_STEP, STEEPEST, Towards};
 use super::skyline::Skyline;
 use super::walk::{BRICK_SHIFT, integers};
 
-/// Largest distance of a ray from the one that tells for it [voxels]: farther ones are seldom as clear as that.
+/// Greatest distance of a ray from the central ray that decides for it [voxels]; rays farther away are seldom clear
+/// together.
 const MOST_APART: f32 = 0.45;
 
-/// Steps of such a ray towards the light, and of its search for metal: after them each had better go by itself.
+/// Greatest number of steps of the central ray towards the light, and of its search for metal; after them rays are
+/// traced one by one.
 const MOST_STEPS: usize = 24;
-/// Height of the middle of a ball above the start of a ray, as a part of the band: as high as φ still tells of it.
+/// Height of a clearance ball's centre above the start of a ray, as a share of the band; φ is still exact there.
 const BALL_HEIGHT: f32 = 0.75;
 
 /// Rays towards a lamp from any tile.
@@ -36,7 +38,7 @@ pub(crate) struct Beam<'a> {
 }
 
 impl<'a> Beam<'a> {
-    /// `direction`: unit vector to the lamp; `spread`: tangent of its half angle.
+    /// `direction`: unit vector towards the lamp; `spread`: tangent of its half angle.
     pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
         Self {
             towards: Towards::new(field, direction, spread),
@@ -46,19 +48,19 @@ impl<'a> Beam<'a> {
         }
     }
 
-    /// Unit vector to the lamp.
+    /// Unit vector towards the lamp.
     pub(crate) fn direction(&self) -> Vec3 {
         self.towards.line.direction.into()
     }
 
-    /// The shares of those of a tile's points that are `wanted`, 0 for others.
+    /// Light shares of the `wanted` points of a tile; 0 for the others.
     ///
-    /// `starts`, `normals`: of the rays and of the surface below them.
+    /// `starts`: ray starts; `normals`: normals of the surface below them.
     pub(crate) fn shares(&self, starts: &Points, normals: &Points, wanted: &[bool; LANES]) -> Lanes {
         pulp::Arch::new().dispatch(Shares { beam: self, starts, normals, wanted })
     }
 
-    /// As [`Field::clearance`].
+    /// [`Field::clearance`] along this lamp's direction.
     #[inline(always)]
     fn clearance(&self, at: Vec3A) -> Result<f32, (IVec3, u8)> {
         let Towards { field, line, .. } = &self.towards;
@@ -72,16 +74,17 @@ impl<'a> Beam<'a> {
         }
     }
 
-    /// Length of the ray in the middle of several on which a ball without metal above its start shows that all their cones
-    /// are clear; 0 where none does.
+    /// Length of the central ray for which a ball without metal above its start proves that the cones of all rays are
+    /// clear; 0 if it proves nothing.
     ///
-    /// `above`: unit vector from the surface; `doubt`: how much less than at the middle ray φ can be at the others [voxels].
+    /// `above`: unit vector from the surface; `doubt`: greatest difference of φ between the central ray and the others
+    /// [voxels].
     #[inline(always)]
     fn length_in_ball(&self, start: Vec3A, above: Vec3A, doubt: f32) -> f32 {
         let towards = &self.towards;
         let height = BALL_HEIGHT * self.band;
         let clearance = self.clearance(start + above * height).unwrap_or(self.band);
-        // The ball and, against the length of the ray, the cone, both in lengths that φ takes to change as much.
+        // The ball, and the cone relative to the length of the ray, both in lengths over which φ may change as much.
         let (radius, slope) = ((clearance - doubt) / STEEPEST, towards.spread / STEEPEST);
         let (square, within) = (1.0 - slope * slope, radius * radius - height * height);
         let is_clear = (radius > height) & (square > 0.0);
@@ -92,7 +95,7 @@ impl<'a> Beam<'a> {
         (half + (half * half + square * within).sqrt()) / square
     }
 
-    /// 1 or 0 where the ray in the middle of several shows that it is the share of them all.
+    /// Share common to all rays, 1 or 0, if the central ray proves it.
     #[inline(always)]
     fn common_share(&self, starts: &Points, normals: &Points, wanted: &[bool; LANES]) -> Option<f32> {
         let towards = &self.towards;
@@ -118,7 +121,7 @@ impl<'a> Beam<'a> {
             let at = middle + towards.line.direction * t;
             let clearance = match self.clearance(at) {
                 Ok(clearance) => clearance,
-                // All rays are within the cube that is smaller by a brick.
+                // All rays are within the cube that is smaller by one brick.
                 Err((brick, distance @ 2..)) => {
                     t += towards.line.length_in_free(at, (brick, distance - 1)) + towards.nudge;
                     continue;
@@ -138,13 +141,14 @@ impl<'a> Beam<'a> {
             if !is_clear {
                 break;
             }
-            // No finer than the steps of a single ray.
+            // At least the step of a single ray.
             t += (slack / (STEEPEST + towards.spread)).max(LEAST_STEP);
         }
         self.meets_metal(middle, (t, end), doubt).then_some(0.0)
     }
 
-    /// Whether the middle ray is somewhere so deep in the metal that all are, for longer than their least steps.
+    /// True if the central ray has a point so deep in the metal that all rays are inside it for longer than their least
+    /// step.
     #[inline(always)]
     fn meets_metal(&self, middle: Vec3A, (mut t, end): (f32, f32), doubt: f32) -> bool {
         let line = &self.towards.line;
@@ -164,7 +168,7 @@ impl<'a> Beam<'a> {
     }
 }
 
-/// The shares of a tile's points, each by its own ray: a call that is compiled for each kind of lanes.
+/// Light shares of a tile's points, each by its own ray; compiled by `pulp` for each instruction set.
 struct Shares<'a> {
     beam: &'a Beam<'a>,
     starts: &'a Points,
@@ -216,7 +220,8 @@ impl pulp::NullaryFnOnce for Shares<'_> {
 }
 
 impl Shares<'_> {
-    /// Where each ray is in the indexed box, up to where it is clear. Inlined into the call, as all that it calls.
+    /// Interval of each ray within the indexed box, up to the length at which it is clear. Inlined into the call, like
+    /// all functions that it calls.
     #[inline(always)]
     fn spans(&self) -> (Lanes, Lanes) {
         let Beam { towards, directions, skyline, .. } = self.beam;
@@ -246,7 +251,7 @@ mod tests {
 
     #[test]
     fn one_ray_tells_of_its_neighbours_what_their_own_rays_do() {
-        // A rib on a plate: lit, in its shadow and between.
+        // A rib on a plate: points in light, in shadow and in the penumbra.
         let cuboid = |p: DVec3, centre: DVec3, half: DVec3| {
             let q = (p - centre).abs() - half;
             q.max(DVec3::ZERO).length() + q.max_element().min(0.0)

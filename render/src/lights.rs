@@ -1,28 +1,28 @@
-//! Light that falls on a scene: key lights with soft shadows, and an environment all around. Twin of `lights.wgsl`.
+//! Lights of a scene: key lights with soft shadows, and an environment all around. Twin of `lights.wgsl`.
 
 use glam::{DVec3, Vec3};
 
 use super::shade::smooth_step;
 
-/// A lamp far away.
+/// A distant lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeyLight {
-    /// Unit vector from the scene to the light.
+    /// Unit vector from the scene towards the light.
     pub towards: DVec3,
-    /// Irradiance on a surface that faces it, linear RGB; π lights a white surface to 1.
+    /// Irradiance on a surface that faces it, linear RGB; with π a white surface has radiance 1.
     pub irradiance: Vec3,
-    /// Tangent of its half angle: the softness of its shadows and the width of its highlights.
+    /// Tangent of its half angle; sets the softness of shadows and the width of highlights.
     pub spread: f32,
 }
 
-/// Light from all around: a sky above, a floor below and a brighter horizon between, linear RGB radiances.
+/// Ambient light: a sky above, a floor below and a brighter horizon between, linear RGB radiances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
-    /// From straight above.
+    /// Radiance from straight above.
     pub sky: Vec3,
-    /// Added at the horizon.
+    /// Radiance added at the horizon.
     pub horizon: Vec3,
-    /// From straight below.
+    /// Radiance from straight below.
     pub floor: Vec3,
 }
 
@@ -31,7 +31,7 @@ pub struct Environment {
 pub struct Lights {
     /// Lamps.
     pub keys: Vec<KeyLight>,
-    /// The rest of the room.
+    /// Ambient light.
     pub environment: Environment,
 }
 
@@ -58,9 +58,9 @@ impl Default for Lights {
 }
 
 impl Environment {
-    /// Radiance from around a direction whose sine above the horizon is given.
+    /// Radiance from a direction, given by its sine above the horizon.
     ///
-    /// `roughness`: 0 for a mirror; rough surfaces see it blurred.
+    /// `roughness`: 0 for a mirror; on rough surfaces the environment is blurred.
     #[inline(always)]
     pub(crate) fn radiance(&self, height: f32, roughness: f32) -> Vec3 {
         let blur = 0.12 + 0.88 * roughness;

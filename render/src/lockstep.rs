@@ -1,9 +1,10 @@
-//! The rays of a tile in lockstep: what [`Field::trace`] finds for each, in lanes.
+//! Traces the rays of a tile in lockstep, in lanes; each result equals that of [`Field::trace`].
 //!
 //! ```text
-//!   φ > 0 at all corners of the cell      on by φ, as [`common_clear_length`](super::ray_packet::common_clear_length) does, or
+//!   φ > 0 at all corners of the cell      step by φ, as
+//! [`common_clear_length`](super::ray_packet::common_clear_length) does, or
 //!   free cube of bricks                   across the cell or the cube, whichever is longer
-//!   a corner in the metal                 the exact root in the cell
+//!   a corner inside the metal             the exact root in the cell
 //! ```
 
 use glam::{DVec3, Vec3};
@@ -16,17 +17,17 @@ use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::nudge;
 
-/// Distance from the start of each of at most [`LANES`] rays to where it enters the metal [m], infinite where it does
-/// not: a call that is compiled for each kind of lanes.
+/// Distances from the starts of at most [`LANES`] rays to where they enter the metal [m], infinite for a miss; compiled
+/// by `pulp` for each instruction set.
 pub(crate) struct Crossings<'a> {
     pub(crate) field: &'a Field<'a>,
     pub(crate) padded: &'a Padded,
     pub(crate) rays: &'a Rays,
-    /// Length from the start of each ray on which it meets nothing [m].
+    /// Length from the start of each ray that is free of metal [m].
     pub(crate) clear: f64,
 }
 
-/// Rays from where they enter the box that holds all metal [voxels].
+/// Rays from the points at which they enter the bounding box of all metal [voxels].
 struct Start {
     points: Points,
     directions: Points,
@@ -51,7 +52,7 @@ impl pulp::NullaryFnOnce for Crossings<'_> {
     }
 }
 
-// All below is inlined into that call, or it would not be compiled for its lanes.
+// Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
 impl Crossings<'_> {
     #[inline(always)]
@@ -88,7 +89,7 @@ impl Crossings<'_> {
         start
     }
 
-    /// Lengths up to the crossings [voxels], infinite where there is none.
+    /// Lengths up to the crossings [voxels], infinite for a miss.
     #[inline(always)]
     fn lengths(&self, start: &Start) -> Lanes {
         let directions = Directions::new(start.directions);
@@ -133,8 +134,7 @@ impl Crossings<'_> {
     }
 }
 
-/// First zeros of φ along the `wanted` rays' ways through their cells, as parts of their `lengths`; above 1 where there is
-/// none.
+/// First zeros of φ along the `wanted` rays within their cells, as shares of their `lengths`; above 1 if there is none.
 #[inline(always)]
 fn roots(cells: &Cells, at: &Points, directions: &Points, lengths: &Lanes, wanted: &[bool; LANES]) -> Lanes {
     let mut along = [[0.0; LANES]; 4];
@@ -188,7 +188,7 @@ mod tests {
                     match field.trace(&ray) {
                         Some(hit) if (hit.distance - distance).abs() < 2e-3 * VOXEL => hits += 1,
                         None if distance == f64::INFINITY => {}
-                        // A ray that grazes an edge goes by on either side of it.
+                        // A ray that grazes an edge may pass on either side of it.
                         _ => others += 1,
                     }
                 }

@@ -1,34 +1,34 @@
-//! Marks that an abrasive leaves along its path: fine grooves that tilt the normal across it. Twin of `marks.wgsl`.
+//! Grinding marks along an abrasive's path: fine grooves that tilt the normal across it. Twin of `marks.wgsl`.
 
 use glam::{DVec3, Vec3};
 use shaders::constants::ELONGATION;
 
 use super::lanes::{LANES, Lanes, Points, integer};
 
-/// Points of a path that are kept: marks turn slowly against their distance.
+/// Greatest number of path points that are kept: the direction of the marks varies slowly over their distance.
 pub const MOST_POINTS: usize = 48;
 
-/// A place on a tool's path.
+/// A point on a tool's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkPoint {
-    /// In the part's frame [m].
+    /// Position in the part's frame [m].
     pub point: Vec3,
     /// Unit direction of the abrasive's motion.
     pub along: Vec3,
-    /// Length of the path up to here [m].
+    /// Length of the path up to this point [m].
     pub arc: f32,
 }
 
-/// Grinding marks: along the path where they lie, of random depth across it.
+/// Grinding marks: parallel to the path, with random depth across it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
-    /// The path, in order; a single point gives parallel marks everywhere. Empty for none.
+    /// The path, in order; a single point gives parallel marks everywhere. Empty if there are no marks.
     pub path: Vec<MarkPoint>,
     /// Width of a groove [m].
     pub width: f32,
     /// Slope of the grooves' flanks [1].
     pub slope: f32,
-    /// How much smoother the metal is along the marks than across, 0 to 1 (Burley 2012).
+    /// Anisotropy: reduction of roughness along the marks relative to across, 0 to 1 (Burley 2012).
     pub anisotropy: f32,
 }
 
@@ -61,17 +61,17 @@ impl Marks {
         Self { path: (0..points.len()).step_by(stride).map(at).collect(), ..Self::default() }
     }
 
-    /// Directions of the marks at points [m] of a surface with unit normals, and the tilts of the normal across them:
-    /// directions of the path mixed by the inverse fourth power of the distance (Shepard 1968).
+    /// Directions of the marks at points [m] of a surface with unit normals, and tilts of the normal across them. The
+    /// path's directions are interpolated with inverse fourth power weights of the distance (Shepard 1968).
     ///
-    /// `footprints`: lengths that pixels span on the surface [m]; finer grooves fade into roughness.
+    /// `footprints`: lengths of pixels on the surface [m]; finer grooves turn into roughness.
     #[inline(always)]
     pub(crate) fn grooves(&self, points: &Points, normals: &Points, footprints: &Lanes) -> Grooves {
         let (mut along, mut centre, mut arc, mut weights) = (Points::ZERO, Points::ZERO, [0.0; LANES], [0.0; LANES]);
         for mark in &self.path {
             for i in 0..LANES {
                 let away = points.get(i) - mark.point;
-                // A tenth of a millimetre keeps the weight finite.
+                // The offset of 0.1 mm keeps the weight finite.
                 let near = 1.0 / (away.dot(away) + 1e-8);
                 let weight = near * near;
                 along.set(i, along.get(i) + mark.along * weight);
@@ -108,7 +108,7 @@ impl Marks {
     }
 }
 
-/// Sums over a path, weighted by its nearness to a point.
+/// Sums over a path, weighted by proximity to a point.
 struct Mix {
     along: Vec3,
     centre: Vec3,
@@ -116,7 +116,7 @@ struct Mix {
     weights: f32,
 }
 
-/// The marks at the samples of a tile, as in [`Groove`].
+/// The marks at the samples of a tile; values as in [`Groove`].
 pub(crate) struct Grooves {
     pub(crate) along: Points,
     pub(crate) tilt: Lanes,
@@ -130,11 +130,11 @@ struct Groove {
     along: Vec3,
     /// Slope of the surface across them [1].
     tilt: f32,
-    /// 1 where the path gives a direction, else 0.
+    /// 1 if the path gives a direction, else 0.
     share: f32,
 }
 
-/// A unit vector across another one (Duff et al. 2017).
+/// Returns a unit vector perpendicular to a unit vector (Duff et al. 2017).
 #[inline(always)]
 pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
     let sign = 1f32.copysign(normal.z);
@@ -142,7 +142,7 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
     Vec3::new(1.0 + sign * normal.x * normal.x * a, sign * normal.x * normal.y * a, -sign * normal.x)
 }
 
-/// Derivative along u of value noise on the lattice of whole (u, v), within ±2.
+/// Derivative along u of value noise on the integer lattice (u, v), within ±2.
 #[inline(always)]
 fn noise_slope(u: f32, v: f32) -> f32 {
     let (low_u, low_v) = (u.floor(), v.floor());
@@ -154,7 +154,7 @@ fn noise_slope(u: f32, v: f32) -> f32 {
     (here + (next - here) * smooth) * (6.0 * fu * (1.0 - fu))
 }
 
-/// A number from 0 to 1 for a lattice point: the first of PCG2D (Jarzynski & Olano 2020).
+/// Pseudorandom number from 0 to 1 for a lattice point: the first component of PCG2D (Jarzynski & Olano 2020).
 #[inline(always)]
 fn lattice_value(u: i32, v: i32) -> f32 {
     let x = (u as u32).wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,4 +1,4 @@
-//! What a surface is made of and how it was finished.
+//! Materials of a surface and their finish.
 
 use glam::Vec3;
 
@@ -6,13 +6,13 @@ use super::lanes::{LANES, Lanes, Points};
 use super::marks::Marks;
 use super::shade::smooth_step;
 
-/// Share of weld metal over which its appearance sets in.
+/// Share of weld metal at which the weld's appearance starts, and at which it is complete.
 pub(crate) const WELD_BORDER: (f32, f32) = (0.35, 0.65);
 
 /// A microfacet material (Burley 2012, metallic-roughness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Linear RGB: diffuse albedo where it is no metal, reflectance at normal incidence where it is.
+    /// Linear RGB: diffuse albedo of a nonmetal, reflectance of a metal at normal incidence.
     pub colour: Vec3,
     /// Perceptual roughness, 0 to 1; the width of the microfacet distribution is its square.
     pub roughness: f32,
@@ -21,7 +21,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Both mixed in colour, roughness and metallic response, `share` of `other` (0 to 1).
+    /// Interpolates colour, roughness and metallic response, with share `share` of `other` (0 to 1).
     #[inline(always)]
     pub fn mixed(self, other: Self, share: f32) -> Self {
         Self {
@@ -32,29 +32,29 @@ impl Material {
     }
 }
 
-/// Rolled steel with its dull grey skin.
+/// Rolled steel with dull grey mill scale.
 pub const ROLLED_STEEL: Material = Material { colour: Vec3::new(0.40, 0.41, 0.43), roughness: 0.52, metallic: 0.9 };
-/// Weld metal as it froze: smooth, tinted by heat.
+/// Weld metal as solidified: smooth, with heat tint.
 pub const FRESH_WELD: Material = Material { colour: Vec3::new(0.47, 0.41, 0.35), roughness: 0.34, metallic: 1.0 };
 /// Steel bared by an abrasive.
 pub const GROUND_STEEL: Material = Material { colour: Vec3::new(0.63, 0.62, 0.61), roughness: 0.36, metallic: 1.0 };
 /// A blue-green primer.
 pub const PRIMER: Material = Material { colour: Vec3::new(0.045, 0.135, 0.150), roughness: 0.48, metallic: 0.0 };
 
-/// The materials of a part and where each shows.
+/// The materials of a part and the conditions under which each is visible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
-    /// Base metal that no tool has touched.
+    /// Untouched base metal.
     pub metal: Material,
-    /// Weld metal that no tool has touched.
+    /// Untouched weld metal.
     pub weld: Material,
-    /// Metal from which depth was removed, and metal from which the coating was.
+    /// Ground metal: metal from which depth or coating was removed.
     pub ground: Material,
-    /// The coating; it shows where the dose D is below 1. `None` for a bare part.
+    /// The coating; visible where the dose D is below 1. `None` for a bare part.
     pub coating: Option<Material>,
     /// Grinding marks of ground metal.
     pub marks: Marks,
-    /// Removed depth from which on metal looks ground [m].
+    /// Removed depth from which metal looks ground [m].
     pub ground_depth: f32,
 }
 
@@ -71,11 +71,11 @@ impl Default for Appearance {
     }
 }
 
-/// Material of a point and how much of it is ground metal.
+/// Material at a point and its share of ground metal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Blend {
     pub(crate) material: Material,
-    /// 0 to 1.
+    /// Share of ground metal, 0 to 1.
     pub(crate) ground: f32,
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct MaterialLanes {
     colour: Points,
     roughness: Lanes,
     metallic: Lanes,
-    /// As in [`Blend`].
+    /// Share of ground metal, as in [`Blend`].
     pub(crate) ground: Lanes,
 }
 
@@ -109,15 +109,15 @@ impl MaterialLanes {
 }
 
 impl Appearance {
-    /// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground where a tool has removed metal or
-    /// coating, else base or weld metal.
+    /// Mixes coated and exposed appearance by min(D, 1). Exposed metal is ground where a tool has removed metal or
+    /// coating, otherwise base or weld metal.
     ///
     /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
     #[inline(always)]
     pub(crate) fn blends(&self, weld_share: &Lanes, dose: &Lanes, removed: &Lanes) -> MaterialLanes {
         let none = [0.0; LANES];
         let mut blends = MaterialLanes { colour: Points::ZERO, roughness: none, metallic: none, ground: none };
-        // Which of both holds for all lanes, so no lane asks.
+        // The choice holds for all lanes, so it is made once.
         match self.coating {
             None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(weld_share[i], removed[i]))),
             Some(coating) => (0..LANES).for_each(|i| blends.set(i, self.coated(coating, dose[i], removed[i]))),

@@ -1,4 +1,4 @@
-//! How a material throws light back: GGX microfacets (Walter et al. 2007), narrower along grinding marks than across
+//! Reflection of light by a material: GGX microfacets (Walter et al. 2007), narrower along grinding marks than across
 //! (Burley 2012), over a diffuse base. Twin of `microfacet.wgsl`.
 
 use shaders::constants::DIELECTRIC;
@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::lanes::{LANES, Lanes, Points};
 use super::material::Material;
 
-/// A surface element that light meets.
+/// A surface element with its reflection parameters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facets {
     /// Unit normal, on the camera's side.
@@ -41,7 +41,7 @@ pub(crate) struct FacetLanes {
 }
 
 impl FacetLanes {
-    /// Yet to be set.
+    /// Placeholder values, to be overwritten.
     pub(crate) const NONE: Self = Self {
         normals: Points::ZERO,
         along: Points::ZERO,
@@ -79,7 +79,7 @@ impl FacetLanes {
 }
 
 impl Facets {
-    /// - `normal`, `along`: unit vectors across each other
+    /// - `normal`, `along`: perpendicular unit vectors
     /// - `anisotropy`: 0 for the same width in all directions, 1 for the strongest
     #[inline(always)]
     pub(crate) fn new(material: &Material, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
@@ -91,7 +91,7 @@ impl Facets {
         Self { normal, along, across, diffuse, mirror, widths, roughness, anisotropy }.turned(normal, along, anisotropy)
     }
 
-    /// The same material with another normal and other marks, as in [`Facets::new`].
+    /// The same material with a different normal and different marks, as in [`Facets::new`].
     #[inline(always)]
     pub(crate) fn turned(&self, normal: Vec3, along: Vec3, anisotropy: f32) -> Self {
         let width = (self.roughness * self.roughness).max(LEAST_WIDTH);
@@ -100,7 +100,8 @@ impl Facets {
         Self { normal, along, across: normal.cross(along), widths, anisotropy, ..*self }
     }
 
-    /// Light sent to the viewer from a light of irradiance 1 straight on, π times the reflectance factor times the cosine.
+    /// Light reflected to the viewer from a light of irradiance 1 at normal incidence: π times the BRDF times the
+    /// cosine.
     ///
     /// - `viewer`, `light`: unit vectors from the surface
     /// - `spread`: tangent of the light's half angle; it widens the highlight (Karis 2013)
@@ -118,13 +119,13 @@ impl Facets {
         let squares = h_along * h_along + h_across * h_across + h_normal * h_normal;
         let distribution = energy / (PI * wide_along * wide_across * squares * squares);
         let specular = fresnel * (distribution * self.visibility(viewer, light, to_viewer, to_light));
-        // What the facets mirror, coming or going, does not reach the base.
+        // Light reflected by the facets, on the way in or out, does not reach the diffuse base.
         let mirrored = schlick(self.mirror, half.dot(viewer).min(to_viewer).min(to_light));
         let light = (self.diffuse * (Vec3::ONE - mirrored) / PI + specular) * to_light;
         if is_lit { light } else { Vec3::ZERO }
     }
 
-    /// Height-correlated masking and shadowing over 4 (n·v) (n·l) (Heitz 2014).
+    /// Height-correlated masking and shadowing divided by 4 (n·v) (n·l) (Heitz 2014).
     #[inline(always)]
     fn visibility(&self, viewer: Vec3, light: Vec3, to_viewer: f32, to_light: f32) -> f32 {
         let [a, b] = self.widths;
@@ -132,8 +133,8 @@ impl Facets {
         0.5 / (to_light * spread(viewer, to_viewer) + to_viewer * spread(light, to_light)).max(1e-6)
     }
 
-    /// Direction from which an environment is mirrored to the viewer: bent towards the marks' cross-section
-    /// (Revie 2012).
+    /// Direction from which an environment is reflected to the viewer, bent towards the plane across the marks (Revie
+    /// 2012).
     #[inline(always)]
     pub(crate) fn mirrored(&self, viewer: Vec3) -> Vec3 {
         let in_section = (viewer - self.along * self.along.dot(viewer)).normalize_or(self.normal);
@@ -142,15 +143,15 @@ impl Facets {
         bent * (2.0 * bent.dot(viewer)) - viewer
     }
 
-    /// Share of an environment that is the same all around that the facets mirror to the viewer, light that goes on from
-    /// facet to facet included (Lagarde 2011).
+    /// Share of a uniform environment that the facets reflect to the viewer, including light reflected between facets
+    /// (Lagarde 2011).
     #[inline(always)]
     pub(crate) fn environment_share(&self, viewer: Vec3) -> Vec3 {
         let grazing = Vec3::splat(1.0 - self.roughness).max(self.mirror);
         self.mirror + (grazing - self.mirror) * fifth_power(1.0 - self.normal.dot(viewer).clamp(0.0, 1.0))
     }
 
-    /// Diffuse albedo under light from all around.
+    /// Diffuse albedo under ambient light.
     #[inline(always)]
     pub(crate) fn diffuse_share(&self) -> Vec3 {
         self.diffuse
@@ -163,7 +164,7 @@ impl Facets {
     }
 }
 
-/// Reflectance at an angle whose cosine is given (Schlick 1994).
+/// Fresnel reflectance at an angle given by its cosine (Schlick 1994).
 #[inline(always)]
 fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
     straight + (Vec3::ONE - straight) * fifth_power(1.0 - cosine.clamp(0.0, 1.0))
@@ -190,14 +191,15 @@ mod tests {
         Vec3::new(sine * azimuth.cos(), sine * azimuth.sin(), cosine)
     }
 
-    /// Share of light from one direction that leaves in any, by the midpoint rule over cosine and azimuth.
+    /// Share of light from one direction that is reflected in all directions, by the midpoint rule over cosine and
+    /// azimuth.
     fn albedo(facets: &Facets, from: Vec3) -> f32 {
         let n = 300;
         let each = (0..n * n).map(|i| {
             let cosine = ((i / n) as f32 + 0.5) / n as f32;
             let azimuth = ((i % n) as f32 + 0.5) / n as f32 * 2.0 * PI;
             let to = direction(cosine, azimuth);
-            // Reciprocity: swapping the roles leaves f, so the cosine of the light's side is divided out.
+            // Reciprocity: swapping the roles preserves the BRDF, so the cosine on the light's side is divided out.
             facets.reflected(to, from, 0.0).x / from.z * cosine
         });
         each.sum::<f32>() * 2.0 * PI / (n * n) as f32
@@ -208,7 +210,7 @@ mod tests {
         for (roughness, metallic, anisotropy) in
             [(0.3, 1.0, 0.0), (0.5, 1.0, 0.7), (0.8, 1.0, 0.0), (0.5, 0.0, 0.0), (0.4, 0.5, 0.5)]
         {
-            // Light that meets a second facet is lost to this model (Heitz et al. 2016): up to half on rough metal.
+            // Light reflected between facets is missing in this model (Heitz et al. 2016): up to half on rough metal.
             for cosine in [1.0, 0.7, 0.35] {
                 let back = albedo(&facets(roughness, metallic, anisotropy), direction(cosine, 0.7));
                 assert!(back < 1.02 && back > 0.45, "{back} at roughness {roughness}, metallic {metallic}");

@@ -1,18 +1,18 @@
-//! Where in each brick a ray can meet the surface: one bit for every block of 2³ cells.
+//! Blocks of each brick in which a ray can meet the surface: one bit per block of 2³ cells.
 //!
 //! ```text
-//!   signs of 8³ voxels ─▶ cells with a voxel of the wanted side ─▶ blocks of 2³ cells ─▶ 64 bits a brick
+//!   signs of 8³ voxels ─▶ cells with a voxel of the wanted sign ─▶ blocks of 2³ cells ─▶ 64 bits per brick
 //! ```
 //!
-//! A trilinear cell without a corner in the metal holds no zero of φ, so a block whose bit is not set is crossed in one
-//! stride, and no thin wall is missed. Twin of `occupancy.wgsl`.
+//! A trilinear cell without a corner inside the metal contains no zero of φ. A block whose bit is not set is therefore
+//! crossed in one step, and no thin wall is missed. Twin of `occupancy.wgsl`.
 
 use glam::IVec3;
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE};
 
-/// Bits of the blocks in a cube of 4³ cells whose lowest block is the first.
+/// Bits of the blocks in the first cube of 4³ cells.
 const QUAD: u64 = 0x0033_0033;
 
 /// Blocks of a brick, bit 16 x + 4 y + z for the block at (x, y, z).
@@ -20,8 +20,8 @@ const QUAD: u64 = 0x0033_0033;
 pub(crate) struct Blocks(pub(crate) u64);
 
 impl Blocks {
-    /// log₂ of the side [cells] of the largest aligned cube around a cell of the brick in which no bit is set; 0 where
-    /// the cell's own bit is.
+    /// log₂ of the side [cells] of the largest aligned cube around a cell of the brick in which no bit is set; 0 if the
+    /// cell's own bit is set.
     pub(crate) fn clear_shift(self, cell: IVec3) -> i32 {
         if self.0 == 0 {
             return 3;
@@ -35,10 +35,11 @@ impl Blocks {
     }
 }
 
-/// Sides of a brick's voxels: bit 8 y + z of plane x is set for a voxel in question.
+/// Signs of a brick's voxels: bit 8 y + z of plane x is set for a voxel of the wanted sign.
 type Planes = [u64; BRICK_SIDE];
 
-/// For every brick of the pool, the blocks with a voxel in the metal (φ ≤ 0), and those with one outside (φ > 0).
+/// For every brick of the pool, the blocks with a voxel inside the metal (φ ≤ 0), and those with a voxel outside (φ >
+/// 0).
 pub(crate) fn occupancy(grid: &BrickGrid) -> (Vec<Blocks>, Vec<Blocks>) {
     let metal: Vec<Planes> = grid.phi.par_chunks(BRICK_VOXELS).map(metal_planes).collect();
     grid.bricks.par_iter().map(|&brick| brick_blocks(grid, &metal, brick)).unzip()
@@ -59,9 +60,10 @@ fn brick_blocks(grid: &BrickGrid, metal: &[Planes], brick: IVec3) -> (Blocks, Bl
     (blocks(&around), blocks(&around.map(|planes| planes.map(|bits| !bits))))
 }
 
-/// Blocks that hold a cell with a voxel in question, from the planes of a brick and of its seven higher neighbours.
+/// Blocks with a cell that has a voxel of the wanted sign, from the planes of a brick and of its seven higher
+/// neighbours.
 fn blocks(around: &[Planes; 8]) -> Blocks {
-    // Voxels of plane x and their higher neighbours along y and z.
+    // Voxels of plane x combined with their higher neighbours along y and z.
     let cells_of_plane = |x: usize| {
         let from = if x < BRICK_SIDE { 0 } else { 4 };
         let plane = |i: usize| around[from + i][x % BRICK_SIDE];
@@ -75,7 +77,7 @@ fn blocks(around: &[Planes; 8]) -> Blocks {
     Blocks((0..4).rev().fold(0, |bits, x| bits << 16 | of_slab(x)))
 }
 
-/// 8 × 8 cells to 4 × 4 blocks: bit 4 y + z.
+/// Reduces 8 × 8 cells to 4 × 4 blocks: bit 4 y + z.
 fn sixteen(cells: u64) -> u64 {
     let pairs = cells | cells >> 8;
     let pairs = (pairs | pairs >> 1) & 0x0055_0055_0055_0055;

@@ -1,4 +1,4 @@
-//! φ of each brick together with the voxels around it, so that any cell or stencil of a brick is read at one place.
+//! φ of each brick with the voxels around it, so that any cell or stencil of a brick is read from one array.
 //!
 //! ```text
 //!    ┌─┬────────┬──┐
@@ -17,36 +17,36 @@ use super::walk::BRICK_SHIFT;
 
 /// Voxels along a side.
 const SIDE: usize = 11;
-/// From a voxel to the next along x, y and z.
+/// Offsets to the next voxel along x, y and z.
 const STEPS: [usize; 3] = [SIDE * SIDE, SIDE, 1];
-/// From the first voxel to the brick's own first.
+/// Offset of the brick's own first voxel.
 const OWN: usize = STEPS[0] + STEPS[1] + STEPS[2];
 /// Voxels of a padded brick.
 const VOXELS: usize = SIDE * SIDE * SIDE;
-/// Last voxel of a cell, and one more.
+/// Offset of the cell's last voxel, plus one.
 const CELL: usize = OWN + 1;
 
-/// What a place of the index holds.
+/// Contents at an index entry.
 #[derive(Clone, Copy, Debug)]
 struct Site {
-    /// Of its padded brick's first voxel.
+    /// Offset of its padded brick's first voxel.
     first: u32,
-    /// Free bricks around, as in [`Entry`](super::index::Entry).
+    /// Distance to the nearest brick with metal, as in [`Entry`](super::index::Entry).
     to_metal: u8,
     to_brick: u8,
-    /// Label of all voxels of its cells, if they have but one.
+    /// Label of all voxels of its cells, if it is unique.
     label: Option<u16>,
-    /// Whether no voxel of its cells has a dose or removed depth.
+    /// True if no voxel of its cells has a dose or removed depth.
     is_plain: bool,
 }
 
-/// Padded bricks. Those without a cell across φ's range share one.
+/// Padded bricks. Bricks without a cell that crosses φ's range share one.
 #[derive(Clone, Debug)]
 pub(crate) struct Padded {
     values: Vec<f32>,
-    /// Bricks by their place in the grid, with the blocks of each from which a shadow can come, as in [`Blocks`].
+    /// Brick coordinates in the grid, with the blocks of each brick that can cast a shadow, as in [`Blocks`].
     pub(crate) near: Vec<(IVec3, Blocks)>,
-    /// For each place of the index; the last one for all places beyond.
+    /// One per index entry; the last one stands for all positions beyond the index.
     sites: Vec<Site>,
     dims: [u32; 3],
     steps: [u32; 3],
@@ -58,9 +58,9 @@ pub(crate) struct Cells {
     pub(crate) low: Points,
     /// φ at the eight corners [m], z fastest.
     pub(crate) values: [Lanes; 8],
-    /// Bricks by their place in the grid.
+    /// Brick coordinates in the grid.
     pub(crate) bricks: [[i32; LANES]; 3],
-    /// Bricks to the nearest that holds metal, and to the nearest that is not outside.
+    /// Distances to the nearest brick with metal, and to the nearest that is not outside [bricks].
     pub(crate) to_metal: [i32; LANES],
     pub(crate) to_brick: [i32; LANES],
     sites: [u32; LANES],
@@ -68,7 +68,7 @@ pub(crate) struct Cells {
 }
 
 impl Padded {
-    /// Copies φ of all bricks with the surface or next to them.
+    /// Copies φ of all bricks at or next to the surface.
     pub(crate) fn new(field: &Field) -> Self {
         let (index, grid) = (&field.index, field.grid);
         let [x, y, z] = index.steps;
@@ -112,7 +112,7 @@ impl Padded {
         padded
     }
 
-    /// Adds a brick and says where it begins.
+    /// Adds a brick and returns its offset.
     fn push(&mut self, field: &Field, brick: IVec3) -> usize {
         let first = self.values.len();
         self.values.resize(first + VOXELS, 0.0);
@@ -125,7 +125,7 @@ impl Padded {
                 slot => &field.grid.phi[slot as usize * BRICK_VOXELS..(slot as usize + 1) * BRICK_VOXELS],
             }
         });
-        // Brick before, own or after, and the voxel in it.
+        // Brick before, own or after, and the voxel within it.
         let split = |i: usize| (i.div_ceil(8), (i + 7) % 8);
         for (i, row) in rest[first - 2 * VOXELS..].chunks_exact_mut(SIDE).enumerate() {
             let ((brick_x, x), (brick_y, y)) = (split(i / SIDE), split(i % SIDE));
@@ -141,7 +141,7 @@ impl Padded {
         first
     }
 
-    /// Reads the cells of the samples that are `wanted`, whose lowest corners stand in `cells`.
+    /// Reads φ for the `wanted` samples, whose lowest corners are in `cells`.
     #[inline(always)]
     pub(crate) fn read(&self, wanted: &[bool; LANES], cells: &mut Cells) {
         self.find(cells);
@@ -157,7 +157,7 @@ impl Padded {
         }
     }
 
-    /// Finds the cells of the samples, whose lowest corners stand in `cells`.
+    /// Finds the cells of the samples, whose lowest corners are in `cells`.
     #[inline(always)]
     pub(crate) fn find(&self, cells: &mut Cells) {
         let ([across, along, up], [step_x, step_y, step_z]) = (self.dims, self.steps);
@@ -175,7 +175,7 @@ impl Padded {
         }
     }
 
-    /// φ [m] at a place (0 to 1) in a cell, given with its brick's place in the index.
+    /// φ [m] at a position (0 to 1) in a cell, with the index entry of its brick.
     #[inline]
     pub(crate) fn phi(&self, place: usize, corner: IVec3, within: Vec3) -> f32 {
         let local = (corner & 7).as_usizevec3();
@@ -184,20 +184,20 @@ impl Padded {
         trilinear(&[v[0], v[1], v[11], v[12], v[121], v[122], v[132], v[133]], within)
     }
 
-    /// Label of all voxels of the cells of a lane's brick, if they have but one.
+    /// Label of all voxels of the cells of a lane's brick, if it is unique.
     #[inline(always)]
     pub(crate) fn label(&self, cells: &Cells, lane: usize) -> Option<u16> {
         self.sites[cells.sites[lane] as usize].label
     }
 
-    /// Whether no voxel of the cells of a lane's brick has a dose or removed depth.
+    /// True if no voxel of the cells of a lane's brick has a dose or removed depth.
     #[inline(always)]
     pub(crate) fn is_plain(&self, cells: &Cells, lane: usize) -> bool {
         self.sites[cells.sites[lane] as usize].is_plain
     }
 
-    /// φ's differences two voxels wide along the axes at a place in a lane's cell, 0 to 1: along the normal of
-    /// [`Field::normal`].
+    /// Differences of φ over two voxels along the axes, at a position (0 to 1) in a lane's cell; parallel to the normal
+    /// of [`Field::normal`].
     #[inline(always)]
     pub(crate) fn differences(&self, cells: &Cells, lane: usize, f: Vec3) -> Vec3 {
         let first = (self.sites[cells.sites[lane] as usize].first + cells.voxels[lane]) as usize - OWN;
@@ -219,13 +219,13 @@ impl Padded {
     }
 }
 
-/// The only label of some voxels.
+/// Returns the label of some voxels if it is unique.
 fn only(labels: &[u16]) -> Option<u16> {
     let first = *labels.first()?;
     labels.iter().fold(true, |same, label| same & (*label == first)).then_some(first)
 }
 
-/// The label that all eight have.
+/// Returns the label that all eight share.
 fn common(labels: [Option<u16>; 8]) -> Option<u16> {
     labels[0].filter(|_| labels.iter().all(|label| *label == labels[0]))
 }
@@ -260,7 +260,7 @@ impl Cells {
         }
     }
 
-    /// φ [m] of a lane at a place in its cell, 0 to 1, as [`trilinear`](sdf_bake::grid::trilinear).
+    /// φ [m] of a lane at a position in its cell, 0 to 1, as [`trilinear`](sdf_bake::grid::trilinear).
     #[inline(always)]
     pub(crate) fn phi(&self, lane: usize, within: Vec3) -> f32 {
         let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
@@ -269,8 +269,8 @@ impl Cells {
         mix(y(0), y(4), within.x)
     }
 
-    /// Lowest corner and side [voxels] of the free cube around the brick of a lane that is `distance` bricks, 1 or more,
-    /// from the next.
+    /// Lowest corner and side [voxels] of the free cube around the brick of a lane; `distance` ≥ 1 is the distance to
+    /// the nearest occupied brick [bricks].
     #[inline(always)]
     pub(crate) fn free_cube(&self, lane: usize, distance: i32) -> (Vec3, f32) {
         let reach = distance - 1;
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn padded_bricks_hold_the_cells_and_normals_of_the_field() {
         let half = DVec3::new(0.012, 0.009, 0.01);
-        // Cut off at one side, so that there is metal at the border of the index.
+        // Cut off at one side, so that metal reaches the border of the index.
         let shape = |p: DVec3| (p.length() - 0.0105).max(p.y.abs() - 0.02);
         let mut grid = BrickGrid::from_distance(-half, half, 0.0005, 3.0, shape);
         grid.label = (0..grid.phi.len()).map(|i| u16::from(grid.position(grid.voxel_of(i)).x > 0.004)).collect();

@@ -1,4 +1,4 @@
-//! Photographs made on a device: the same scene, camera and frame as on the CPU.
+//! Photographs computed on a GPU: the same scene, camera and frame as on the CPU.
 
 use glam::{DVec3, Vec3};
 use sdf_bake::BrickGrid;
@@ -14,7 +14,7 @@ use super::material::Material;
 use super::scene::{Raster, Scene, Stage};
 use super::walk::nudge;
 
-/// A device ready to photograph.
+/// A GPU prepared for photographs.
 #[derive(Debug)]
 pub struct Photographer<'a> {
     renderer: Renderer<'a>,
@@ -24,15 +24,15 @@ impl<'a> Photographer<'a> {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`DeviceFault`] where the driver refuses one.
+    /// [`DeviceFault`] if the driver rejects a kernel.
     pub fn new(device: &'a Device) -> Result<Self, DeviceFault> {
         Ok(Self { renderer: Renderer::new(device)? })
     }
 
-    /// Puts a part on the device.
+    /// Copies a part to the device.
     ///
     /// # Errors
-    /// [`RenderError`] where it is too large for the adapter or the device fails.
+    /// [`RenderError`] if it is too large for the adapter or the device fails.
     pub fn load(&self, part: &BrickGrid) -> Result<PartBuffers, RenderError> {
         let header = GridHeader::new(
             part.origin.to_array(),
@@ -50,10 +50,10 @@ impl<'a> Photographer<'a> {
         })
     }
 
-    /// Submits the work of one photograph; nothing is read back. `part` is the scene's part, as it is on the device.
+    /// Submits the work of one photograph without reading it back. `part` is the scene's part on the device.
     ///
     /// # Errors
-    /// [`RenderError`] where the picture is too large for the adapter or the device fails.
+    /// [`RenderError`] if the picture is too large for the adapter or the device fails.
     pub fn draw(
         &self,
         part: &PartBuffers,
@@ -65,10 +65,10 @@ impl<'a> Photographer<'a> {
         self.renderer.draw(part, &render_stage(&stage), &rows(&stage))
     }
 
-    /// As [`Scene::photograph`], on the device.
+    /// Takes the photograph of [`Scene::photograph`] on the device.
     ///
     /// # Errors
-    /// As [`Photographer::draw`].
+    /// Those of [`Photographer::draw`].
     pub fn photograph(
         &self,
         part: &PartBuffers,
@@ -80,10 +80,10 @@ impl<'a> Photographer<'a> {
         Ok(frame(raster, &self.renderer.read(&drawn)?))
     }
 
-    /// Waits until everything submitted is done.
+    /// Waits until all submitted work is complete.
     ///
     /// # Errors
-    /// [`DeviceFault`] where the device fails.
+    /// [`DeviceFault`] if the device fails.
     pub fn wait(&self) -> Result<(), DeviceFault> {
         self.renderer.wait()
     }
@@ -119,7 +119,7 @@ fn rows(stage: &Stage) -> Vec<[f32; 4]> {
     let marks = stage.scene.appearance.marks.path.iter();
     let marks = marks.flat_map(|mark| [mark.point.extend(mark.arc).to_array(), mark.along.extend(0.0).to_array()]);
     let rows: Vec<[f32; 4]> = lamps.chain(marks).collect();
-    // A binding holds one row at least.
+    // A binding has at least one row.
     if rows.is_empty() { vec![[0.0; 4]] } else { rows }
 }
 

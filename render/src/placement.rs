@@ -1,38 +1,38 @@
-//! Where the part stands in the scene.
+//! Pose of the part in the scene.
 
 use glam::{DQuat, DVec3};
 
 use super::camera::Camera;
 
-/// A rigid motion from the part's frame to the scene's.
+/// A rigid transform from the part's frame to the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Turns the part about its origin; of unit length.
+    /// Rotation about the part's origin, a unit quaternion.
     pub rotation: DQuat,
-    /// Then moves it [m].
+    /// Translation after the rotation [m].
     pub translation: DVec3,
 }
 
 impl Placement {
-    /// The part's frame is the scene's.
+    /// Identity: the part's frame equals the scene's.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// A point of the part in the scene [m].
+    /// Transforms a point from the part's frame to the scene's [m].
     pub fn to_scene(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
-    /// A point of the scene in the part's frame [m].
+    /// Transforms a point from the scene's frame to the part's [m].
     pub fn to_part(&self, point: DVec3) -> DVec3 {
         self.rotation.inverse() * (point - self.translation)
     }
 
-    /// A direction of the scene in the part's frame.
+    /// Transforms a direction from the scene's frame to the part's.
     pub fn direction_to_part(&self, direction: DVec3) -> DVec3 {
         self.rotation.inverse() * direction
     }
 
-    /// A camera of the scene in the part's frame.
+    /// Transforms a camera from the scene's frame to the part's.
     pub(crate) fn camera_to_part(&self, camera: &Camera) -> Camera {
         Camera {
             eye: self.to_part(camera.eye),

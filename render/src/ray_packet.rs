@@ -1,7 +1,7 @@
-//! Neighbouring rays of a camera: what one in their middle passes at a distance, none of them meets.
+//! Packets of neighbouring camera rays: a clearance of the central ray that exceeds their distance holds for all.
 //!
 //! ```text
-//!          ╱ ╱ ╱     the middle ray goes on by φ less the distance of the others from it, as cones of rays do
+//!          ╱ ╱ ╱     the central ray advances by φ minus the distance of the others from it, as in cone marching
 //!    ◉ ━━ ━ ━ ━ ━    (Bálint & Valasek 2018); the others start where it stops
 //!          ╲ ╲ ╲
 //! ```
@@ -14,13 +14,14 @@ use super::rays::Rays;
 use super::shadow::STEEPEST;
 use super::walk::{BRICK_SHIFT, Line, free_cube, integers, nudge};
 
-/// How much farther from the middle ray than those at the corners one between them may be that a lens has bent.
+/// Factor on the distance of the corner rays from the central ray; covers rays between them that lens distortion bends
+/// outwards.
 const BULGE: f32 = 1.02;
-/// Step below which the middle ray stops [voxels].
+/// Step below which the central ray stops [voxels].
 const SHORTEST: f32 = 0.5;
 
-/// Length from the start of each ray on which none of them, nor of those between them, meets the metal [m]; infinite if none
-/// ever does. `known`: such a length that is known already [m].
+/// Length from the ray starts on which none of the rays, nor any ray between them, meets metal [m]; infinite if none
+/// ever does. `known`: such a length that is already known [m].
 #[inline(always)]
 pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64 {
     if known == f64::INFINITY {
@@ -32,7 +33,7 @@ pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64
     let start = origin * field.per_metre - field.lowest;
     let (line, (low, high)) = (Line::new(direction.as_vec3a()), field.metal_box);
     let (low, high) = (Vec3A::from(low), Vec3A::from(high));
-    // Distances are counted from the point nearest to the box's middle, where single precision is good enough.
+    // Distances are counted from the point nearest to the box's centre, where single precision suffices.
     let from = ((0.5 * (low + high)).as_dvec3() - start).dot(direction).max(0.0);
     let near = (start + direction * from).as_vec3a();
     let (apart, spread) = (BULGE * STEEPEST * (from * spread + apart) as f32, BULGE * STEEPEST * spread as f32);
@@ -45,7 +46,7 @@ pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64
         let at = near + line.direction * t;
         let nearest = at.clamp(low, high);
         let (free, phi) = field.around(&line, nearest);
-        // The nearest place of the box lies between the point and all metal, at no less than a right angle.
+        // The nearest point of the box lies between this point and all metal, at an angle of at least 90°.
         let clearance = (phi.max(0.0) * phi + at.distance_squared(nearest)).sqrt();
         let by_phi = (clearance - doubt(t)) * per_step;
         let by_cube = free.map_or(0.0, |(low, side)| {
@@ -68,7 +69,8 @@ pub(crate) fn common_clear_length(field: &Field, rays: &Rays, known: f64) -> f64
 }
 
 impl Field<'_> {
-    /// What is around a point: lowest corner and side of a cube of bricks without metal, if there is one, and φ [voxels].
+    /// Surroundings of a point: lowest corner and side of a cube of bricks without metal, if there is one, and φ
+    /// [voxels].
     fn around(&self, line: &Line, at: Vec3A) -> (Option<(Vec3A, f32)>, f32) {
         let low = line.corner(at);
         let corner = integers(low);

@@ -1,37 +1,37 @@
-//! The rays of a tile side by side, in double precision: a camera may be far away.
+//! The rays of a tile in structure-of-arrays form, in double precision because a camera may be far away.
 
 use glam::DVec3;
 
 use super::camera::{Camera, Projection};
 use super::lanes::LANES;
 
-/// One number of each ray.
+/// One number per ray.
 pub(crate) type Wide = [f64; LANES];
 
-/// Places in the image.
+/// Positions in the image.
 pub(crate) struct Places {
     /// From the left, 0 to 1.
     pub(crate) across: Wide,
     /// From the top, 0 to 1.
     pub(crate) down: Wide,
-    /// Lanes that have a place; the others say nothing.
+    /// True for lanes with a position; the other lanes are undefined.
     pub(crate) wanted: [bool; LANES],
 }
 
 /// Rays in the part's frame.
 pub(crate) struct Rays {
-    /// Starts by their components [m].
+    /// Start points by component [m].
     pub(crate) origins: [Wide; 3],
-    /// Unit directions by their components.
+    /// Unit directions by component.
     pub(crate) directions: [Wide; 3],
-    /// Lanes that have a ray; the others say nothing.
+    /// True for lanes with a ray; the other lanes are undefined.
     pub(crate) wanted: [bool; LANES],
 }
 
 impl Rays {
-    /// As [`Camera::ray`].
+    /// Lane form of [`Camera::ray`].
     ///
-    /// - `aspect`: width of the image by its height
+    /// - `aspect`: image width divided by height
     /// - `half_image`: [`Camera::half_image`]
     #[inline(always)]
     pub(crate) fn through(at: &Places, camera: &Camera, (aspect, half_image): (f64, f64)) -> Self {
@@ -82,7 +82,7 @@ impl Rays {
         DVec3::new(self.directions[0][lane], self.directions[1][lane], self.directions[2][lane])
     }
 
-    /// Start [m] and unit direction half-way between the first and the last ray; zeros without any.
+    /// Start [m] and unit direction halfway between the first and the last ray; zeros if there are no rays.
     #[inline(always)]
     pub(crate) fn middle(&self) -> (DVec3, DVec3) {
         let first = self.wanted.iter().position(|wanted| *wanted).unwrap_or(0);
@@ -91,7 +91,7 @@ impl Rays {
         (origin, (self.direction(first) + self.direction(last)).normalize_or_zero())
     }
 
-    /// Largest distance of the starts or directions of all rays from one.
+    /// Greatest distance of the starts or directions of all rays from a given one.
     #[inline(always)]
     pub(crate) fn farthest(&self, of: &[Wide; 3], from: DVec3) -> f64 {
         let mut squares = [0.0; LANES];
@@ -102,7 +102,7 @@ impl Rays {
         squares.into_iter().fold(0.0, f64::max).sqrt()
     }
 
-    /// Points of the rays at distances from their starts [m], by their components.
+    /// Points on the rays at distances from their starts [m], by component.
     #[inline(always)]
     pub(crate) fn points(&self, distances: &Wide) -> [Wide; 3] {
         let mut points = self.origins;

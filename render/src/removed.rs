@@ -1,28 +1,28 @@
-//! How deep the metal was that is gone from a visible point, and the scale on which it is drawn.
+//! Depth of the metal removed at a visible point, and the scale on which it is drawn.
 
 use glam::{DVec3, Vec3};
 
 use super::camera::Ray;
 use super::field::Field;
 
-/// Removed depths below this part of a voxel are rounding of the fields.
+/// Removed depths below this share of a voxel are rounding errors of the fields.
 pub const REMOVED_RESOLUTION: f64 = 0.01;
 
-/// Depth [m] removed at a point of the surface that is left: the distance t > 0 along its unit normal to the surface
-/// that was, φ_before(x + t n) = 0. Zero where nothing was removed; it may be many bands.
+/// Removed depth [m] at a point of the remaining surface: the distance t > 0 along its unit normal to the original
+/// surface, φ_before(x + t n) = 0. Zero where nothing was removed; it may exceed the band many times.
 pub fn removed_depth(before: &Field, point: DVec3, normal: Vec3) -> f64 {
     let direction = normal.as_dvec3().normalize_or_zero();
     let depth = before.leaving_distance(&Ray { origin: point, direction });
     if depth > REMOVED_RESOLUTION * before.grid.voxel { depth } else { 0.0 }
 }
 
-/// The smallest of 1, 2, 3, 5 or 8 times a power of ten that is not below `value`; 1 for a value that is not above zero.
+/// The smallest of 1, 2, 3, 5 or 8 times a power of ten that is not below `value`; 1 for a value that is not positive.
 pub fn round_full_scale(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return 1.0;
     }
     let decade = 10f64.powi(value.log10().floor() as i32);
-    // The slack keeps 0.3 from becoming 0.5 by rounding.
+    // The tolerance keeps 0.3 from becoming 0.5 by rounding.
     let enough = |step: &f64| *step * decade >= value * (1.0 - 1e-6);
     [1.0, 2.0, 3.0, 5.0, 8.0].into_iter().find(enough).unwrap_or(10.0) * decade
 }

@@ -1,4 +1,4 @@
-//! The rows of pixels that a row of tiles fills.
+//! The rows of pixels that a row of tiles covers.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use super::gbuffer_lanes::Samples;
 use super::lanes::Points;
 use super::tile::{TILE, tile_row};
 
-/// [`TILE`] rows of a frame, or fewer at its lower edge, each buffer a slice.
+/// [`TILE`] rows of a frame, or fewer at its lower edge, with one slice per buffer.
 pub(crate) struct Rows<'a, const N: usize> {
     width: usize,
     colour: &'a mut [Vec3],
@@ -19,12 +19,12 @@ pub(crate) struct Rows<'a, const N: usize> {
     dose: &'a mut [f32],
     removed: &'a mut [f32],
     seen: &'a mut [Seen],
-    /// In other appearances.
+    /// Colours in the other appearances.
     colours: &'a mut [[Vec3; N]],
 }
 
 impl<'a, const N: usize> Rows<'a, N> {
-    /// Those of a frame from its top, to be filled in parallel.
+    /// Splits a frame into rows of tiles from its top, to be filled in parallel.
     pub(crate) fn of(frame: &'a mut Frame, colours: &'a mut [[Vec3; N]]) -> impl IndexedParallelIterator<Item = Self> {
         let (width, size) = (frame.width, TILE * frame.width.max(1));
         let Frame { colour, depth, normal, position, weld, dose, removed, seen, .. } = frame;
@@ -47,7 +47,8 @@ impl<'a, const N: usize> Rows<'a, N> {
         )
     }
 
-    /// Puts a tile where it belongs. `x`: its first column; `light`: in the scene's appearance and, on the part, in others.
+    /// Writes a tile. `x`: its first column; `light`: in the scene's appearance; `others`: on the part, in the other
+    /// appearances.
     pub(crate) fn put(&mut self, x: usize, samples: &Samples, (light, others): (&Points, &[Points; N])) {
         let (rows, columns) = ((self.colour.len() / self.width).min(TILE), (self.width - x).min(TILE));
         for row in 0..rows {

@@ -1,4 +1,4 @@
-//! A scene to be photographed: a part of one or several materials on a table, lamps and a room around it.
+//! A scene to be photographed: a part of one or several materials on a table, with lamps and ambient light.
 
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
@@ -18,30 +18,30 @@ use super::rows::Rows;
 use super::shade_lanes::Lit;
 use super::tile::{Shelter, TILE, tile_pixels};
 
-/// Tiles beside each other that one ray looks ahead for.
+/// Adjacent tiles for which one ray determines the clear length.
 const TILES: usize = 4;
 
-/// A level table without end.
+/// An infinite level table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Table {
-    /// Of its top in the scene's frame [m].
+    /// Height of its top in the scene's frame [m].
     pub height: f64,
-    /// Its top.
+    /// Material of its top.
     pub material: Material,
 }
 
-/// All that a camera can see. Lights, table and camera are in the scene's frame, whose z axis points up.
+/// Everything that a camera can see. Lights, table and camera are in the scene's frame, whose z axis points up.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
-    /// The part and where rays can meet it.
+    /// The part, prepared for ray tracing.
     pub field: Field<'a>,
-    /// Where it stands.
+    /// Pose of the part.
     pub placement: Placement,
-    /// What it is made of.
+    /// Materials of the part.
     pub appearance: Appearance,
-    /// What it stands on, if anything.
+    /// Table below the part, if any.
     pub table: Option<Table>,
-    /// What lights it.
+    /// Lights.
     pub lights: Lights,
 }
 
@@ -63,7 +63,7 @@ impl Default for Raster {
 }
 
 impl<'a> Scene<'a> {
-    /// A part as it lies in its own frame, in the light of a workshop; coated if it has a dose.
+    /// A part in the pose of its own frame, with the default lights; coated if it has a dose.
     pub fn new(part: &'a BrickGrid) -> Self {
         let coating = (!part.dose.is_empty()).then_some(PRIMER);
         Self {
@@ -75,18 +75,18 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Photographs the scene; tiles of pixels in parallel. Colour is linear light before the [`Sensor`](super::Sensor).
+    /// Photographs the scene, tiles of pixels in parallel. Colour is linear light before the [`Sensor`](super::Sensor).
     pub fn photograph(&self, camera: &Camera, raster: &Raster) -> Frame {
         self.photograph_as(&[], camera, raster).0
     }
 
-    /// As [`Scene::photograph`], over an earlier frame: pictures one after the other need no new memory.
+    /// [`Scene::photograph`] into an earlier frame, so that a series of pictures reuses its memory.
     pub fn photograph_over(&self, frame: &mut Frame, camera: &Camera, raster: &Raster) {
         self.expose(&[], camera, raster, (frame, &mut vec![[]; raster.width * raster.height]));
     }
 
-    /// As [`Scene::photograph`], with the colour of each pixel on the part in `N` other appearances, black elsewhere:
-    /// what is seen and what shelters it are found once.
+    /// [`Scene::photograph`], with the colour of each pixel on the part also in `N` other appearances, black elsewhere.
+    /// Geometry and light visibility are computed once.
     pub fn photograph_as<const N: usize>(
         &self,
         others: &[Appearance; N],
@@ -99,7 +99,7 @@ impl<'a> Scene<'a> {
         (frame, colours)
     }
 
-    /// Fills all of a frame, and the colours in other appearances.
+    /// Fills the whole frame, and the colours in the other appearances.
     fn expose<const N: usize>(
         &self,
         others: &[Appearance; N],
@@ -130,18 +130,18 @@ pub(crate) struct Lamp {
     pub(crate) spread: f32,
 }
 
-/// A scene in the part's frame, ready for the rays of one image.
+/// A scene in the part's frame, prepared for the rays of one image.
 pub(crate) struct Stage<'a> {
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) raster: &'a Raster,
     pub(crate) aspect: f64,
-    /// Of the camera.
+    /// [`Camera::half_image`] of the camera.
     pub(crate) half_image: f64,
     pub(crate) camera: Camera,
     pub(crate) lamps: Vec<Lamp>,
-    /// Unit direction that is up in the scene.
+    /// Unit vector that points up in the scene.
     pub(crate) up: DVec3,
-    /// Height of the table along `up` [m]; none at minus infinity.
+    /// Height of the table along `up` [m]; −∞ without a table.
     pub(crate) table: f64,
 }
 
@@ -165,8 +165,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// What the centres of a tile's pixels show, and their light: in the scene's appearance and, where a centre shows the
-    /// part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
+    /// Samples at the centres of a tile's pixels, and their light: in the scene's appearance and, where a centre shows
+    /// the part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
     fn tile<const N: usize>(
         &self,
         lamps: &[Beam],
@@ -190,7 +190,7 @@ impl<'a> Stage<'a> {
         (centres, light, in_others)
     }
 
-    /// Mean light of a pixel; in other appearances, too, if it is `on_part`.
+    /// Mean light of a pixel; also in the other appearances if it is `on_part`.
     fn mean<const N: usize>(
         &self,
         lamps: &[Beam],
@@ -229,8 +229,8 @@ impl<'a> Stage<'a> {
         (light(&self.scene.appearance), in_others)
     }
 
-    /// Length from the start of each ray through some tiles beside each other on which it meets no metal [m]. `corner`: the
-    /// first pixel of the first of [`TILES`].
+    /// Length from the start of each ray through a row of adjacent tiles that is free of metal [m]. `corner`: the first
+    /// pixel of the first of [`TILES`].
     fn clear_length(&self, corner: (usize, usize)) -> f64 {
         let corner = DVec2::new(corner.0 as f64, corner.1 as f64);
         let size = DVec2::new((TILES * TILE) as f64, TILE as f64);
@@ -239,15 +239,15 @@ impl<'a> Stage<'a> {
         pulp::Arch::new().dispatch(Clear { stage: self, at })
     }
 
-    /// What rays through at most [`LANES`] neighbouring points meet, those beyond the image left out; from the top left
-    /// [pixels].
+    /// Samples along rays through at most [`LANES`] neighbouring image points [pixels from the top left]; points beyond
+    /// the image are skipped.
     fn samples(&self, points: impl Iterator<Item = DVec2>, clear: f64) -> Samples {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
         let at = &self.places(points, |at| at.cmplt(size).all());
         pulp::Arch::new().dispatch(Sight { stage: self, at, clear })
     }
 
-    /// At most [`LANES`] points of the image from the top left [pixels] that are `wanted`.
+    /// At most [`LANES`] image points [pixels from the top left], each marked as `wanted` or not.
     #[inline(always)]
     fn places(&self, points: impl Iterator<Item = DVec2>, wanted: impl Fn(DVec2) -> bool) -> Places {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);

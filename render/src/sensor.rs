@@ -1,4 +1,4 @@
-//! What a camera's sensor makes of the light that reaches it: blur, exposure, noise and saturation.
+//! Model of a camera's sensor: blur, exposure, noise and saturation.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,27 +8,27 @@ use super::frame::Frame;
 /// A sensor behind a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Signal of linear light 1, as a part of saturation.
+    /// Signal for linear light 1, as a share of saturation.
     pub exposure: f32,
-    /// Standard deviation of the lens's blur [pixels].
+    /// Standard deviation of the lens blur [pixels].
     pub blur: f32,
-    /// Electrons of a saturated pixel: the fewer, the more shot noise. Infinite for none.
+    /// Full-well capacity: electrons of a saturated pixel. Shot noise decreases with it; infinite for none.
     pub full_well: f32,
-    /// Standard deviation of the read-out [electrons].
+    /// Standard deviation of the read noise [electrons].
     pub read_noise: f32,
-    /// Of the noise: the same seed gives the same picture.
+    /// Seed of the noise: the same seed gives the same picture.
     pub seed: u64,
 }
 
 impl Default for Sensor {
-    /// Shows linear light as it is.
+    /// An ideal sensor: linear light is unchanged.
     fn default() -> Self {
         Self { exposure: 1.0, blur: 0.0, full_well: f32::INFINITY, read_noise: 0.0, seed: 0 }
     }
 }
 
 impl Sensor {
-    /// Turns the colour of a frame into the signal of the sensor, 0 to 1; the other buffers stay exact.
+    /// Converts the colour of a frame to the sensor's signal, 0 to 1; the other buffers stay exact.
     pub fn expose(&self, frame: &mut Frame) {
         if self.blur > 0.0 {
             blur(frame, self.blur);
@@ -45,7 +45,7 @@ impl Sensor {
         });
     }
 
-    /// Signal with shot noise, whose variance is the number of electrons, and read-out noise.
+    /// Adds shot noise, whose variance is the number of electrons, and read noise to a signal.
     fn read_out(&self, signal: f32, sample: u64) -> f32 {
         let electrons = signal * self.full_well;
         let deviation = (electrons + self.read_noise * self.read_noise).sqrt();
@@ -53,7 +53,7 @@ impl Sensor {
     }
 }
 
-/// A number of mean 0 and variance 1 for every sample: the sum of eight even bytes (Irwin 1927, Hall 1927) from
+/// Random number of mean 0 and variance 1 for every sample: the sum of eight uniform bytes (Irwin 1927, Hall 1927) from
 /// SplitMix64 (Steele, Lea & Flood 2014).
 fn standard_normal(seed: u64, sample: u64) -> f32 {
     let mut z = seed.wrapping_add(sample.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -61,11 +61,11 @@ fn standard_normal(seed: u64, sample: u64) -> f32 {
     z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^= z >> 31;
     let sum: u32 = z.to_le_bytes().iter().map(|&byte| u32::from(byte)).sum();
-    // A byte has the mean 127.5 and the variance (256² − 1) / 12.
+    // A uniform byte has mean 127.5 and variance (256² − 1) / 12.
     (sum as f32 - 1020.0) / (8f32 * 65_535.0 / 12.0).sqrt()
 }
 
-/// Gaussian blur of the colour, rows and then columns; the border's pixels go on beyond it.
+/// Gaussian blur of the colour, rows and then columns; border pixels are repeated beyond the border.
 fn blur(frame: &mut Frame, deviation: f32) {
     let reach = (3.0 * deviation).ceil() as isize;
     let weight = |i: isize| (-0.5 * (i as f32 / deviation).powi(2)).exp();

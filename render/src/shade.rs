@@ -1,7 +1,6 @@
-//! From surface to light: a key and a fill light, a studio's sky as reflected by brushed metal, shadow and occlusion.
+//! Shading of drawings: a key and a fill light, a studio sky reflected by brushed metal, shadow and occlusion.
 //!
-//! The lights stand relative to the camera, so that every view of a part is lit the same way. Pure functions of their
-//! arguments.
+//! The lights are fixed to the camera, so that every view of a part is lit the same way. All functions are pure.
 
 use glam::Vec3;
 use sdf_bake::grid::trilinear;
@@ -17,9 +16,9 @@ use super::surface::Surface;
 /// Albedo and reflectance at normal incidence, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finish {
-    /// Diffusely scattered share of the light.
+    /// Diffuse albedo.
     pub diffuse: Vec3,
-    /// Mirrored share of light that falls on straight (Schlick 1994, F₀).
+    /// Reflectance at normal incidence (Schlick 1994, F₀).
     pub mirror: Vec3,
 }
 
@@ -27,10 +26,10 @@ pub struct Finish {
 pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.19, 0.213, 0.24), mirror: Vec3::new(0.15, 0.16, 0.17) };
 /// Weld metal, in a warm tint that no steel has.
 pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.55, 0.165, 0.022), mirror: Vec3::new(0.15, 0.095, 0.05) };
-/// Paper-like grey below a colour map, which must not compete with it.
+/// Paper-like light grey for surfaces without a mapped colour.
 pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
 
-/// The lights of a view, from the surface to the light, in the part's frame.
+/// The lights of a view, as unit vectors from the surface towards the light in the part's frame.
 pub(crate) struct Studio {
     key: Vec3,
     fill: Vec3,
@@ -53,13 +52,13 @@ impl Studio {
         let toward = |right: f64, up: f64| {
             (camera.right * right + camera.up * up - camera.forward).normalize_or(-camera.forward).as_vec3()
         };
-        // The sky leans towards the camera: seen from above it is the part's vertical, and what a view from below
-        // shows is not left in the dark.
+        // The sky leans towards the camera: from above it is close to the part's vertical, and in a view from below
+        // visible surfaces are not left dark.
         let up = (camera.up - 0.6 * camera.forward).normalize_or(camera.up).as_vec3();
         Self { key: toward(-0.55, 0.3), fill: toward(1.3, 0.15), up }
     }
 
-    /// Light that a finish sends to the camera, linear RGB.
+    /// Light reflected by a finish to the camera, linear RGB.
     pub(crate) fn shade(&self, field: &Field, surface: &Surface, finish: &Finish) -> Vec3 {
         let n = facing(surface.normal, surface.view);
         let open = ambient_occlusion(field, surface);
@@ -73,7 +72,7 @@ impl Studio {
         finish.diffuse * diffuse + fresnel * (self.softbox(reflected) * open + highlight)
     }
 
-    /// Mild shading for a colour that carries a number: form shows, the number stays readable.
+    /// Mild shading for a colour that encodes a value: the form stays visible and the value readable.
     pub(crate) fn shade_mapped(&self, field: &Field, surface: &Surface, colour: Vec3) -> Vec3 {
         let n = facing(surface.normal, surface.view);
         let light = 0.5 + 0.5 * n.dot(self.key).max(0.0);
@@ -84,13 +83,13 @@ impl Studio {
         light_share(field, surface, self.key, KEY_SPREAD)
     }
 
-    /// Diffuse light from above and from the floor.
+    /// Diffuse light from the sky and from the floor.
     fn sky(&self, n: Vec3) -> f32 {
         let above = 0.5 + 0.5 * n.dot(self.up);
         FLOOR + (SKY - FLOOR) * above
     }
 
-    /// What brushed metal mirrors: a floor, a bright horizon and a ceiling with a soft edge.
+    /// Environment reflected by brushed metal: a floor, a bright horizon and a ceiling with a soft edge.
     fn softbox(&self, direction: Vec3) -> f32 {
         let height = direction.dot(self.up);
         let ceiling = smooth_step(-0.15, 0.75, height);
@@ -98,7 +97,7 @@ impl Studio {
     }
 }
 
-/// Share of a light in a unit direction that reaches a surface, 0 to 1; `spread` is the tangent of its half angle.
+/// Share of a light in a unit direction that reaches a surface, 0 to 1; `spread`: tangent of its half angle.
 pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, spread: f32) -> f32 {
     if surface.normal.dot(towards) <= 0.0 {
         return 0.0;
@@ -107,8 +106,8 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
     Towards::new(field, towards, spread).share(start)
 }
 
-/// Share of open space just above a point, 0 to 1: φ along the normal against the distance gone (Evans 2006), within
-/// the band, beyond which φ is truncated.
+/// Share of open space just above a point, 0 to 1: φ along the normal relative to the distance (Evans 2006). It is
+/// evaluated within the band, because φ is truncated beyond.
 pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
     let (point, per_metre) = (field.in_voxels(surface.position.as_dvec3()), field.per_metre as f32);
     let missing = |part: f32| {
@@ -119,10 +118,10 @@ pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
     openness(OCCLUSION_STEPS.into_iter().map(missing).sum())
 }
 
-/// As [`ambient_occlusion`] of the samples that are `wanted`: a call that is compiled for each kind of lanes.
+/// [`ambient_occlusion`] of the `wanted` samples; compiled by `pulp` for each instruction set.
 pub(crate) struct Openness<'a> {
     pub(crate) field: &'a Field<'a>,
-    /// Of the surfaces [voxels].
+    /// Surface points [voxels].
     pub(crate) points: &'a Points,
     pub(crate) normals: &'a Points,
     pub(crate) wanted: &'a [bool; LANES],
@@ -148,22 +147,22 @@ impl pulp::NullaryFnOnce for Openness<'_> {
     }
 }
 
-/// Parts of the band at which occlusion is looked for.
+/// Distances at which occlusion is evaluated [bands].
 const OCCLUSION_STEPS: [f32; 3] = [0.3, 0.6, 0.95];
 
-/// What is missing of an open space at a distance `reach` from the surface, 0 to 1.
+/// Occluded share of space at a distance `reach` from the surface, 0 to 1.
 #[inline(always)]
 fn occlusion(phi: f32, reach: f32) -> f32 {
     1.0 - (phi / reach).clamp(0.0, 1.0)
 }
 
-/// Share of open space, from the sum of what is missing.
+/// Share of open space, from the sum of occluded shares.
 #[inline(always)]
 fn openness(missing: f32) -> f32 {
     (1.0 - 1.5 * (missing / OCCLUSION_STEPS.len() as f32)).max(0.15)
 }
 
-/// The normal, turned just enough to face the camera: blended normals tip over at silhouettes.
+/// Rotates the normal just enough to face the camera: interpolated normals may point away at silhouettes.
 #[inline(always)]
 pub(crate) fn facing(normal: Vec3, view: Vec3) -> Vec3 {
     let away = normal.dot(view);
@@ -175,7 +174,7 @@ fn reflect(view: Vec3, normal: Vec3) -> Vec3 {
     view - normal * (2.0 * view.dot(normal))
 }
 
-/// Schlick 1994, reflectance at an angle whose cosine is given.
+/// Fresnel reflectance at an angle given by its cosine (Schlick 1994).
 fn schlick(straight: Vec3, cosine: f32) -> Vec3 {
     let grazing = (1.0 - cosine.clamp(0.0, 1.0)).powi(5);
     // Brushed metal is too rough to become a mirror at grazing angles.

@@ -1,4 +1,4 @@
-//! Light that the samples of a tile send to the camera, in lanes.
+//! Light reflected by the samples of a tile to the camera, in lanes.
 
 use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Points, any};
@@ -9,7 +9,7 @@ use super::scene::Stage;
 use super::shade::facing;
 use super::tile::Shelter;
 
-/// Light that comes along the rays of a tile, linear RGB: a call that is compiled for each kind of lanes.
+/// Light along the rays of a tile, linear RGB; compiled by `pulp` for each instruction set.
 pub(crate) struct Lit<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) appearance: &'a Appearance,
@@ -39,7 +39,7 @@ impl pulp::NullaryFnOnce for Lit<'_> {
     }
 }
 
-// All below is inlined into that call, or it would not be compiled for its lanes.
+// Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
 impl Lit<'_> {
     #[inline(always)]
@@ -118,7 +118,7 @@ impl Lit<'_> {
         appearance.marks.grooves(&samples.positions, normals, &footprints)
     }
 
-    /// Facets of a lane with the marks on it.
+    /// Facets of a lane with its grinding marks.
     #[inline(always)]
     fn marked(&self, i: usize, plain: &Facets, ground: f32, grooves: &Grooves) -> Facets {
         let Self { appearance, samples, .. } = self;

@@ -1,4 +1,4 @@
-//! How much of a light reaches a point of the surface, by sphere tracing (Hart 1996).
+//! Share of a light that reaches a point of the surface, by sphere tracing (Hart 1996).
 //!
 //! Lengths are in voxels, from the lowest voxel of the index. [`Towards::share`] is the twin of `light_share_along` in
 //! `walk.wgsl`.
@@ -10,7 +10,7 @@ pub(crate) use shaders::constants::PENUMBRA_BAND;
 use super::field::Field;
 use super::walk::{Line, indexed_size, nudge};
 
-/// What φ changes along a length: 1 for a distance, a little more where trilinear cells bend.
+/// Greatest change of φ per length: 1 for an exact distance, slightly more where trilinear cells bend it.
 pub(crate) const STEEPEST: f32 = 1.1;
 
 /// Rays towards a light.
@@ -22,12 +22,12 @@ pub(crate) struct Towards<'a> {
     /// Tangent of the light's half angle.
     pub(crate) spread: f32,
     pub(crate) nudge: f32,
-    /// Cap of the light's cone.
+    /// Greatest radius of the light's cone.
     pub(crate) cap: f32,
 }
 
 impl<'a> Towards<'a> {
-    /// `direction`: unit vector to the light.
+    /// `direction`: unit vector towards the light.
     pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
         let band = field.grid.band * field.per_metre as f32;
         Self {
@@ -40,8 +40,8 @@ impl<'a> Towards<'a> {
         }
     }
 
-    /// Share of the light that reaches a point, 0 to 1: the least clearance along the ray against the radius of the
-    /// light's cone there (after Quilez 2010), the cone capped at the band.
+    /// Share of the light that reaches a point, 0 to 1: the least clearance along the ray relative to the radius of the
+    /// light's cone there (after Quilez 2010), with the cone's radius limited to the band.
     pub(crate) fn share(&self, start: Vec3) -> f32 {
         let start = Vec3A::from(start);
         let (mut t, end) = self.line.span(start, (Vec3A::ZERO, self.size), 0.0);

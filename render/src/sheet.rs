@@ -1,4 +1,4 @@
-//! Several pictures in one: a title, panels side by side with captions, and legends below.
+//! Contact sheet: a title, panels side by side with captions, and legends below, in one picture.
 
 use super::frame::Picture;
 use super::legend::Legend;
@@ -8,12 +8,12 @@ const PAPER: [u8; 3] = [255, 255, 255];
 const INK: [u8; 3] = [38, 44, 52];
 const FAINT: [u8; 3] = [104, 112, 122];
 const RULE: [u8; 3] = [208, 213, 219];
-/// Free border and gap between panels [dots of text].
+/// Border and gap between panels [dots of text].
 const GAP: usize = 7;
-/// Pixels of panel height to one pixel of dot size.
+/// Panel height per pixel of dot size [pixels].
 const PANEL_ROWS_PER_DOT: usize = 320;
 
-/// One picture of a sheet.
+/// One picture of a contact sheet.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// A few words above the picture.
@@ -24,9 +24,9 @@ pub struct Panel {
     pub legend: Option<Legend>,
 }
 
-/// Lays panels side by side under a title, at their own size; text grows with the panels.
+/// Arranges panels side by side under a title, at their own size; text grows with the panels.
 ///
-/// `title`: one line at the top left, cut at the sheet's border if it is longer; empty for none.
+/// `title`: one line at the top left, clipped at the right border; empty for none.
 pub fn contact_sheet(title: &str, panels: &[Panel]) -> Picture {
     let tallest = panels.iter().map(|panel| panel.picture.height).max().unwrap_or(0);
     let scale = (tallest as f64 / PANEL_ROWS_PER_DOT as f64).round().max(1.0) as usize;

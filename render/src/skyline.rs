@@ -1,8 +1,8 @@
-//! How far along the rays to a lamp there is anything that could throw a shadow.
+//! Distance along the rays to a lamp beyond which nothing casts a shadow.
 //!
 //! ```text
-//!        ↗ lamp        the highest of the blocks in each column towards the lamp that are near the metal: a ray that is
-//!     ▁▃▃█▂▁           above it is clear to the end
+//!        ↗ lamp        highest block in each column towards the lamp, among the blocks near the metal: a ray above it
+//!     ▁▃▃█▂▁           is clear to the end
 //! ```
 
 use glam::{Vec2, Vec3};
@@ -14,31 +14,31 @@ use sdf_bake::simd::in_wide_lanes;
 
 /// Side of a column [voxels].
 const COLUMN: f32 = 2.0;
-/// Most columns along a side; those of a larger part are wider.
+/// Greatest number of columns along a side; columns of a larger part are wider.
 const MOST_COLUMNS: f32 = 1024.0;
-/// More than rounding can move a block or a ray [voxels].
+/// Bound of rounding errors in the position of a block or a ray [voxels].
 const ROUNDING: f32 = 0.02;
 
-/// Heights of a part towards a lamp. Lengths in voxels, from the lowest voxel of the index.
+/// Height profile of a part towards a lamp. Lengths are in voxels, from the lowest voxel of the index.
 pub(crate) struct Skyline {
-    /// Unit vector to the lamp, and two across it.
+    /// Unit vector towards the lamp, and two perpendicular to it.
     axes: [Vec3; 3],
     /// Lowest corner of the first column.
     low: Vec2,
-    /// Columns in a voxel.
+    /// Columns per voxel.
     per_voxel: f32,
-    /// Columns along each side, an empty one around them all.
+    /// Number of columns along each side, including an empty border.
     columns: [usize; 2],
     heights: Vec<f32>,
 }
 
 impl Skyline {
-    /// `direction`: unit vector to the lamp.
+    /// `direction`: unit vector towards the lamp.
     pub(crate) fn new(padded: &Padded, direction: Vec3) -> Self {
         let (across, along) = direction.any_orthonormal_pair();
         let axes = [direction, across, along];
         let project = |point: Vec3| Vec3::from_array(axes.map(|axis| axis.dot(point)));
-        // From the middle of a block of 2³ cells, which spans 1 to each side.
+        // Half size of a block of 2³ cells, which extends 1 to each side of its centre.
         let half = Vec3::from_array(axes.map(|axis| axis.abs().element_sum()));
         let middles = padded.near.iter().map(|(brick, _)| project((8 * brick + 4).as_vec3()));
         let (low, high) = middles.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), middle| {
@@ -63,8 +63,8 @@ impl Skyline {
         skyline
     }
 
-    /// Raises all columns that the blocks of a brick meet. `blocks`: middles of all, from the brick's `corner`; `half`: of the
-    /// box around each.
+    /// Raises all columns that the blocks of a brick cover. `blocks`: block centres relative to the brick's `corner`;
+    /// `half`: half size of the box around each.
     #[inline(always)]
     fn raise(&mut self, corner: Vec3, (blocks, Blocks(mut bits)): (&[Vec3; 64], Blocks), half: Vec3) {
         let in_columns = |at: f32, side: usize| (at - self.low[side]) * self.per_voxel + 1.0;
@@ -92,15 +92,15 @@ impl Skyline {
         }
     }
 
-    /// Column along one side.
+    /// Index of the column along one side.
     #[inline(always)]
     fn column(&self, side: usize, at: f32) -> usize {
         let place = (at - self.low[side]) * self.per_voxel + 1.0;
         place.max(0.0).min((self.columns[side] - 1) as f32) as i32 as usize
     }
 
-    /// Length of a ray to the lamp from where on all rays that start within `apart` of it are clear; of a ray that is
-    /// clear all the way, less than 0.
+    /// Length along a ray to the lamp beyond which all rays that start within `apart` of it are clear; negative if they
+    /// are clear from the start.
     #[inline(always)]
     pub(crate) fn length(&self, start: Vec3, apart: f32) -> f32 {
         let [height, x, y] = self.axes.map(|axis| axis.dot(start));
@@ -113,7 +113,7 @@ impl Skyline {
         highest - height + apart
     }
 
-    /// As [`Skyline::length`] of each ray alone.
+    /// [`Skyline::length`] of each single ray.
     #[inline(always)]
     pub(crate) fn lengths(&self, starts: &Points) -> Lanes {
         let (mut heights, mut places) = ([0.0; LANES], [0; LANES]);

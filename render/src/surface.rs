@@ -1,4 +1,4 @@
-//! What is seen at each sample of the image: the geometry buffers from which colour is made.
+//! Surface at each sample of the image: the geometry buffers from which colour is computed.
 
 use glam::{DVec2, IVec3, Vec3};
 use rayon::prelude::*;
@@ -14,31 +14,31 @@ use super::trace::Hit;
 /// The surface at one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Surface {
-    /// Along the camera's axis [m].
+    /// Distance along the camera's axis [m].
     pub(crate) depth: f32,
-    /// In the part's frame [m].
+    /// Position in the part's frame [m].
     pub(crate) position: Vec3,
     pub(crate) normal: Vec3,
-    /// Direction of the ray that found it.
+    /// Direction of the viewing ray.
     pub(crate) view: Vec3,
     /// Weld id, 0 for base metal.
     pub(crate) weld: u16,
-    /// Share of weld metal around the point, 0 to 1: a border finer than the voxels.
+    /// Share of weld metal around the point, 0 to 1: resolves the border below the voxel size.
     pub(crate) weld_share: f32,
     /// Coating dose D; 0 where the part has none.
     pub(crate) dose: f32,
-    /// Depth removed here [m]; 0 where nobody keeps it.
+    /// Removed depth [m]; 0 if it is not recorded.
     pub(crate) removed: f32,
 }
 
-/// The samples of an image, row by row from the top left; `None` where the background shows.
+/// The samples of an image, row by row from the top left; `None` for background.
 pub(crate) struct Surfaces {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) samples: Vec<Option<Surface>>,
 }
 
-/// One ray through the middle of each of `width` × `height` samples, rows in parallel.
+/// Traces one ray through the centre of each of `width` × `height` samples, rows in parallel.
 pub(crate) fn see(field: &Field, before: Option<&Field>, camera: &Camera, (width, height): (usize, usize)) -> Surfaces {
     let aspect = width as f64 / height.max(1) as f64;
     let mut samples = vec![None; width * height];
@@ -57,7 +57,7 @@ pub(crate) fn see(field: &Field, before: Option<&Field>, camera: &Camera, (width
 }
 
 impl Surface {
-    /// What the channels of the grid tell of a point that a ray has met.
+    /// Reads the grid's channels at a ray's hit.
     pub(crate) fn new(field: &Field, camera: &Camera, ray: &Ray, hit: &Hit) -> Self {
         let at = field.in_voxels(hit.point);
         let (weld, weld_share) = weld_at(field, at - hit.normal * LABEL_DEPTH);
@@ -75,7 +75,7 @@ impl Surface {
     }
 }
 
-/// Coating dose D and removed depth [m] at a point in voxels, trilinear; 0 where no brick is.
+/// Coating dose D and removed depth [m] at a point [voxels], interpolated trilinearly; 0 outside the bricks.
 fn scalars_at(field: &Field, point: Vec3) -> [f32; 2] {
     let (corner, within) = cell_of(point);
     scalars_of(field, corner).map(|values| trilinear(&values, within))
@@ -89,7 +89,7 @@ pub(crate) fn scalars_of(field: &Field, corner: IVec3) -> [[f32; 8]; 2] {
     })
 }
 
-/// Weld id with the most weight among the metal voxels around a point in voxels, and the share of all welds.
+/// Weld id of greatest weight among the metal voxels around a point [voxels], and the share of all welds.
 fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
     let (corner, within) = cell_of(point);
     WeldCell::new(field, corner).at(within)
@@ -98,12 +98,12 @@ fn weld_at(field: &Field, point: Vec3) -> (u16, f32) {
 /// Labels and φ [m] at the corners of a cell.
 pub(crate) struct WeldCell {
     labels: [u16; 8],
-    /// Zeros where there is one label.
+    /// Zeros if there is only one label.
     phi: [f32; 8],
 }
 
 impl WeldCell {
-    /// Of no cell.
+    /// A cell without labels.
     pub(crate) const NONE: Self = Self { labels: [0; 8], phi: [0.0; 8] };
 
     pub(crate) fn new(field: &Field, corner: IVec3) -> Self {
@@ -117,7 +117,8 @@ impl WeldCell {
         self.labels == [self.labels[0]; 8]
     }
 
-    /// Weld id with the most weight among the metal voxels around a place in the cell, 0 to 1, and the share of all welds.
+    /// Weld id of greatest weight among the metal voxels around a position in the cell, 0 to 1, and the share of all
+    /// welds.
     pub(crate) fn at(&self, within: Vec3) -> (u16, f32) {
         if self.has_one() {
             return (self.labels[0], f32::from(self.labels[0].min(1)));
@@ -126,7 +127,7 @@ impl WeldCell {
     }
 }
 
-/// As [`WeldCell::at`], of several labels.
+/// [`WeldCell::at`] for several labels.
 fn mixed_weld(WeldCell { labels, phi }: &WeldCell, f: Vec3) -> (u16, f32) {
     let weights: [f32; 8] = std::array::from_fn(|i| {
         let near = Vec3::select(cell_corner(i).cmpeq(IVec3::ONE), f, 1.0 - f);

@@ -1,4 +1,4 @@
-//! Words in a picture.
+//! Text in a picture.
 
 use super::font::{GLYPH_HEIGHT, GLYPH_WIDTH, glyph};
 use super::frame::Picture;
@@ -6,7 +6,7 @@ use super::frame::Picture;
 /// Empty columns between glyphs [dots].
 const SPACING: usize = 1;
 
-/// Width and height [pixels] of one line of text with `scale` pixels to a dot.
+/// Width and height [pixels] of one line of text with `scale` pixels per dot.
 pub fn text_size(text: &str, scale: usize) -> (usize, usize) {
     let dots = (text.chars().count() * (GLYPH_WIDTH + SPACING)).saturating_sub(SPACING);
     (dots * scale, GLYPH_HEIGHT * scale)
@@ -14,7 +14,7 @@ pub fn text_size(text: &str, scale: usize) -> (usize, usize) {
 
 /// Draws one line of text with its top left corner at `at`.
 ///
-/// - `scale`: pixels to a dot
+/// - `scale`: pixels per dot
 /// - `colour`: sRGB
 pub fn draw_text(picture: &mut Picture, text: &str, at: (usize, usize), scale: usize, colour: [u8; 3]) {
     for (place, character) in text.chars().enumerate() {

@@ -1,4 +1,4 @@
-//! Neighbouring samples of an image that are looked at together, since what shelters one mostly shelters all.
+//! Tiles of neighbouring samples that are processed together, because light visibility is mostly the same for all.
 
 use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Lanes, any};
@@ -6,10 +6,10 @@ use super::light_visibility::Beam;
 use super::scene::Stage;
 use super::shade::{Openness, SHADOW_START};
 
-/// Pixels along each side of a tile, which fills the lanes.
+/// Pixels along each side of a tile; one tile fills the lanes.
 pub(crate) const TILE: usize = 4;
 
-/// What stands between samples and the light.
+/// Visibility of light at the samples.
 pub(crate) struct Shelter {
     /// Share of open space above each sample, 0 to 1.
     pub(crate) open: Lanes,
@@ -17,7 +17,7 @@ pub(crate) struct Shelter {
     pub(crate) shares: Vec<Lanes>,
 }
 
-/// Pixels (x, y) of the tile whose first one is given, every four a square.
+/// Pixels (x, y) of the tile with the given first pixel, in groups of 2 × 2.
 pub(crate) fn tile_pixels((x, y): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
     (0..LANES).map(move |i| (x + (i & 1 | i >> 1 & 2), y + (i >> 1 & 1 | i >> 2 & 2)))
 }
@@ -28,7 +28,7 @@ pub(crate) fn tile_row(row: usize) -> [usize; TILE] {
 }
 
 impl Shelter {
-    /// Of a tile's samples. `lamps`: rays towards those of the stage.
+    /// Visibility at a tile's samples. `lamps`: rays towards the lamps of the stage.
     pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &Samples) -> Self {
         let field = &stage.scene.field;
         let Samples { points, normals, .. } = samples;

@@ -1,4 +1,4 @@
-//! Where a ray meets the surface, solved exactly in its trilinear cell.
+//! Intersection of a ray with the surface, solved exactly in its trilinear cell.
 
 use glam::{DVec3, Vec3};
 
@@ -6,21 +6,21 @@ use super::camera::Ray;
 use super::field::Field;
 use super::walk::Walk;
 
-/// Where a ray meets the surface.
+/// Intersection of a ray with the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance from the ray's start [m].
     pub distance: f64,
-    /// Point on the zero of the interpolated φ [m].
+    /// Point on the zero set of the interpolated φ [m].
     pub point: DVec3,
     /// Outward unit normal.
     pub normal: Vec3,
 }
 
 impl Field<'_> {
-    /// First point at which a ray enters the metal, or `None` if it misses.
+    /// Returns the first point at which a ray enters the metal, or `None` if it misses.
     ///
-    /// A ray that starts in the metal, or enters the indexed box in it, meets it right there.
+    /// A ray that starts inside the metal, or enters the indexed box inside it, is hit at that point.
     pub fn trace(&self, ray: &Ray) -> Option<Hit> {
         let distance = first_crossing(Walk::entering(self, ray)?)?;
         let point = ray.origin + ray.direction * distance;
@@ -28,7 +28,7 @@ impl Field<'_> {
         Some(Hit { distance, point, normal })
     }
 
-    /// Distance [m] from a ray's start in the metal to where it leaves it; zero for a ray that starts outside.
+    /// Returns the distance [m] from a ray's start inside the metal to its exit; zero for a ray that starts outside.
     ///
     /// Metal that reaches the border of the indexed box ends there.
     pub(crate) fn leaving_distance(&self, ray: &Ray) -> f64 {
@@ -65,7 +65,7 @@ mod tests {
         BrickGrid::from_distance(DVec3::splat(-0.01), DVec3::splat(0.01), VOXEL, 3.0, distance)
     }
 
-    /// A plate three voxels thick at any place between the voxels.
+    /// A plate three voxels thick, at any offset relative to the voxels.
     fn plate(offset: f64) -> BrickGrid {
         let half = DVec3::new(0.02, 0.015, 1.5 * VOXEL);
         let centre = DVec3::new(0.0, 0.0, offset);

@@ -1,4 +1,4 @@
-//! A drawing of a grid, to be read like a technical drawing: geometry, light from beside the camera, drawn edges and the
+//! Drawings of a grid in the style of a technical drawing: geometry, light from beside the camera, drawn edges, and the
 //! mean over each pixel. A [`Scene`](super::Scene) is photographed instead.
 
 use glam::Vec3;
@@ -25,18 +25,18 @@ pub struct View<'a> {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Colour samples along each side of a pixel; 2 gives four a pixel.
+    /// Colour samples along each side of a pixel; 2 gives four samples per pixel.
     pub samples_per_side: usize,
     /// Draws removed depth instead of finishes.
     pub removed: Option<RemovedView<'a>>,
 }
 
-/// What a picture of removed depth is compared with and how it is scaled.
+/// Reference and scale of a picture of removed depth.
 #[derive(Clone, Copy, Debug)]
 pub struct RemovedView<'a> {
     /// The part before removal, in the same frame.
     pub before: &'a BrickGrid,
-    /// Removed depth that has the last colour [m]; `None` takes the next round number above the deepest visible.
+    /// Removed depth of the last colour [m]; `None` for the next round number above the greatest visible depth.
     pub full_scale: Option<f64>,
 }
 
@@ -118,7 +118,7 @@ impl Light<'_> {
     }
 }
 
-/// Mean over squares of `side` × `side` samples in rows of `width`.
+/// Mean over blocks of `side` × `side` samples in rows of `width`.
 fn mean_of_squares(samples: &[Vec3], width: usize, side: usize) -> Vec<Vec3> {
     let columns = width / side;
     let rows = samples.len().checked_div(width * side).unwrap_or(0);
@@ -169,7 +169,7 @@ mod tests {
                 let (u, v) = (u / 240.0 * 0.085f64.tan(), v / 240.0 * 0.085f64.tan());
                 let square = 1.0 + u * u + v * v;
                 let root = distance * distance - square * (distance * distance - RADIUS * RADIUS);
-                // Towards the outline depth along a ray grows without bound against distance from the surface.
+                // Near the outline the depth error for a given distance from the surface grows without bound.
                 if root > 0.1 * RADIUS * RADIUS {
                     let exact = (distance - root.sqrt()) / square;
                     let depth = f64::from(frame.depth[(y * 640 + x) as usize]);

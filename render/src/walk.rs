@@ -1,13 +1,12 @@
-//! The way of a ray through the bricks, in strides as long as nothing can be met.
+//! Traversal of the bricks by a ray, in the largest steps that are proven free.
 //!
 //! ```text
-//!   outside │ outside │ brick with metal   a brick without a voxel in the metal is crossed in one stride, within others
+//!   outside │ outside │ brick with metal   a brick without a voxel in the metal is crossed in one step, within others
 //!   ────────┼─────────┼───┬─┬┬┬──  │       a cube of 4³ or 2³ cells without one; the cells that are left
-//!           │         │     surface        are looked into one by one, so no cell that holds the surface is passed
+//!           │         │     surface        are examined one by one, so no cell that holds the surface is skipped
 //! ```
-//!
-//! Lengths here are in voxels, from the lowest voxel of the index, in f32: the ray starts where it enters the box, which
-//! keeps f32 to about 10⁻³ voxel in a grid of 10⁴ voxels. Twin of `walk.wgsl`.
+//! Lengths here are in voxels, from the lowest voxel of the index, in f32. The ray starts where it enters the box,
+//! which keeps f32 accurate to about 10⁻³ voxel in a grid of 10⁴ voxels. Twin of `walk.wgsl`.
 
 use glam::{BVec3A, IVec3, Vec3, Vec3A};
 use sdf_bake::grid::{BRICK_SIDE, INSIDE, OUTSIDE, trilinear};
@@ -17,17 +16,17 @@ use super::cubic::first_root;
 use super::field::Field;
 use super::occupancy::Blocks;
 
-/// Cells to bricks by shifting.
+/// Shift that converts cell coordinates to brick coordinates.
 pub(crate) const BRICK_SHIFT: i32 = BRICK_SIDE.trailing_zeros() as i32;
 
-/// Nudge across a border [voxels], and what rounding adds for each voxel of the grid's extent.
+/// Nudge across a border [voxels], and the rounding error added per voxel of the grid's extent.
 const NUDGE: f32 = 1e-4;
 const NUDGE_PER_VOXEL: f32 = 4e-7;
 
-/// Which way through the surface a ray looks for.
+/// Direction of the crossing that a ray searches for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sense {
-    /// From outside into the metal.
+    /// From outside to the metal.
     Entering,
     /// From the metal to the outside.
     Leaving,
@@ -45,16 +44,16 @@ impl Sense {
 /// The direction of a ray through the cells.
 pub(crate) struct Line {
     pub(crate) direction: Vec3A,
-    /// Of each component; a huge number for zero.
+    /// Reciprocal of each component; a huge number for zero.
     inverse: Vec3A,
     /// Axes along which the ray runs towards lower coordinates.
     pub(crate) backward: BVec3A,
 }
 
-/// A ray under way through a grid.
+/// State of a ray's traversal of a grid.
 pub(crate) struct Walk<'a> {
     field: &'a Field<'a>,
-    /// Blocks that must be looked into.
+    /// Blocks that must be examined.
     blocks: &'a [Blocks],
     sense: Sense,
     origin: Vec3A,
@@ -62,17 +61,17 @@ pub(crate) struct Walk<'a> {
     nudge: f32,
     /// Distance of `origin` from the ray's own start [m].
     entry: f64,
-    /// Where the ray is, from `origin` [voxels].
+    /// Position along the ray, from `origin` [voxels].
     t: f32,
-    /// Where it leaves the box [voxels].
+    /// Position at which the ray leaves the box [voxels].
     end: f32,
 }
 
 /// The part of a ray within one cell.
 pub(crate) struct Cell {
-    /// φ at the eight corners, positive on the side that the ray comes from [m].
+    /// φ at the eight corners, positive on the side from which the ray comes [m].
     values: [f32; 8],
-    /// Entry of the ray, 0 to 1 within the cell.
+    /// Entry point of the ray, 0 to 1 within the cell.
     from: Vec3A,
     direction: Vec3A,
     /// Length of the ray in the cell [voxels].
@@ -80,7 +79,7 @@ pub(crate) struct Cell {
 }
 
 impl Line {
-    /// `direction`: of unit length.
+    /// `direction`: unit vector.
     #[inline]
     pub(crate) fn new(direction: Vec3A) -> Self {
         let still = direction.cmpeq(Vec3A::ZERO);
@@ -88,8 +87,8 @@ impl Line {
         Self { direction, inverse, backward: direction.cmplt(Vec3A::ZERO) }
     }
 
-    /// Lowest corner of the cell that the ray is in or, on a border, enters next. Without the second half a ray
-    /// almost parallel to a border would creep along it by nudges.
+    /// Lowest corner of the cell that contains the ray or, on a border, the cell that it enters next. Otherwise a ray
+    /// almost parallel to a border would advance along it by nudges only.
     #[inline]
     pub(crate) fn corner(&self, at: Vec3A) -> Vec3A {
         let nearest = nearest_whole(at);
@@ -97,22 +96,22 @@ impl Line {
         nearest - Vec3A::select(is_beyond, Vec3A::ONE, Vec3A::ZERO)
     }
 
-    /// Length [voxels] from `at` to where the ray leaves the cube with lowest corner `low`.
+    /// Length [voxels] from `at` to the exit of the ray from the cube with lowest corner `low`.
     #[inline]
     pub(crate) fn length_in(&self, at: Vec3A, low: Vec3A, side: f32) -> f32 {
         let border = Vec3A::select(self.backward, low, low + side);
         ((border - at) * self.inverse).min_element().max(0.0)
     }
 
-    /// Length [voxels] from `at` to where the ray leaves the free cube around a brick that is `distance` bricks from the
-    /// next.
+    /// Length [voxels] from `at` to the exit of the ray from the free cube around a brick; `distance` is that to the
+    /// nearest occupied brick [bricks].
     #[inline]
     pub(crate) fn length_in_free(&self, at: Vec3A, (brick, distance): (IVec3, u8)) -> f32 {
         let (low, side) = free_cube(brick, distance);
         self.length_in(at, low.as_vec3a(), side as f32)
     }
 
-    /// Where a ray is in a box, from `first` on; empty for one that misses it. Lengths from `start`.
+    /// Interval of a ray within a box, from `first` on; empty for a miss. Lengths are from `start`.
     #[inline]
     pub(crate) fn span(&self, start: Vec3A, (low, high): (Vec3A, Vec3A), first: f32) -> (f32, f32) {
         let beside = (start.cmplt(low) | start.cmpgt(high)) & self.direction.cmpeq(Vec3A::ZERO);
@@ -124,16 +123,16 @@ impl Line {
     }
 }
 
-/// Added to a number of less than 2²², it leaves no bits for a fraction.
+/// Adding it to a number below 2²² leaves no bits for a fraction.
 pub(crate) const WHOLE: f32 = 12_582_912.0;
 
-/// The nearest whole number to each component.
+/// Rounds each component to the nearest whole number.
 #[inline]
 pub(crate) fn nearest_whole(at: Vec3A) -> Vec3A {
     (at + WHOLE) - WHOLE
 }
 
-/// Whole numbers as integers; far beyond any index for those of 2²² and more.
+/// Converts whole numbers to integers; 2²² and more give values far beyond any index.
 #[inline]
 pub(crate) fn integers(whole: Vec3A) -> IVec3 {
     let integer = |x: f32| ((x + WHOLE).to_bits() as i32).wrapping_sub(WHOLE.to_bits() as i32);
@@ -141,12 +140,12 @@ pub(crate) fn integers(whole: Vec3A) -> IVec3 {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts a walk in the box that holds all metal, or `None` for a ray that misses it.
+    /// Starts a walk in the bounding box of all metal; `None` for a ray that misses it.
     pub(crate) fn entering(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
         Self::new(field, ray, Sense::Entering, field.metal_box)
     }
 
-    /// Starts a walk that looks for the way out of the metal, in the whole indexed box.
+    /// Starts a walk that searches for the exit from the metal, in the whole indexed box.
     pub(crate) fn leaving(field: &'a Field<'a>, ray: &Ray) -> Option<Self> {
         Self::new(field, ray, Sense::Leaving, (Vec3::ZERO, indexed_size(field)))
     }
@@ -184,7 +183,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Distance from the ray's start to where the walk is [m].
+    /// Distance from the ray's start to the current position [m].
     pub(crate) fn distance(&self) -> f64 {
         self.entry + f64::from(self.t) * self.field.grid.voxel
     }
@@ -194,7 +193,7 @@ impl<'a> Walk<'a> {
         self.entry + f64::from(self.end) * self.field.grid.voxel
     }
 
-    /// The next cell in which the surface can be; the walk stands at its entry.
+    /// Advances to the next cell that may contain the surface, and stops at its entry.
     pub(crate) fn next_cell(&mut self) -> Option<Cell> {
         while self.t < self.end {
             let at = self.origin + self.line.direction * self.t;
@@ -213,8 +212,7 @@ impl<'a> Walk<'a> {
         None
     }
 
-    /// Lowest corner and side of a cube around a cell in which no crossing can be, or `None` where one can be in the
-    /// cell.
+    /// Lowest corner and side of a cube around a cell that contains no crossing, or `None` if the cell may contain one.
     #[inline]
     fn clear_cube(&self, corner: IVec3) -> Option<(IVec3, i32)> {
         let brick = corner >> BRICK_SHIFT;
@@ -228,12 +226,12 @@ impl<'a> Walk<'a> {
         (shift > 0).then(|| ((corner >> shift) << shift, 1 << shift))
     }
 
-    /// Goes on past a cell without a crossing.
+    /// Advances past a cell without a crossing.
     pub(crate) fn pass(&mut self, cell: &Cell) {
         self.t += cell.length + self.nudge;
     }
 
-    /// Distance from the ray's start to the crossing in the cell at which the walk stands [m].
+    /// Distance from the ray's start to the crossing in the current cell [m].
     pub(crate) fn crossing_in(&self, cell: &Cell) -> Option<f64> {
         let length = cell.crossing()?;
         Some(self.distance() + f64::from(length) * self.field.grid.voxel)
@@ -241,7 +239,8 @@ impl<'a> Walk<'a> {
 }
 
 impl Field<'_> {
-    /// φ [voxels] at a point of a ray, or where no brick is the brick that would be and its distance from the next.
+    /// φ [voxels] at a point of a ray; outside the bricks, the coordinates of the missing brick and its distance from
+    /// the nearest brick.
     #[inline]
     pub(crate) fn clearance(&self, line: &Line, at: Vec3A) -> Result<f32, (IVec3, u8)> {
         let low = line.corner(at);
@@ -255,7 +254,8 @@ impl Field<'_> {
     }
 }
 
-/// Lowest corner and side [voxels] of the free cube around a brick that is `distance` bricks from the next.
+/// Lowest corner and side [voxels] of the free cube around a brick; `distance` is that to the nearest occupied brick
+/// [bricks].
 #[inline]
 pub(crate) fn free_cube(brick: IVec3, distance: u8) -> (IVec3, i32) {
     let reach = i32::from(distance) - 1;

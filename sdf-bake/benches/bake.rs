@@ -1,11 +1,11 @@
-//! Baking against parry3d and OpenVDB's `vdb_tool` in the same run: CPU seconds and ratios.
+//! Compares baking with parry3d and OpenVDB's `vdb_tool` in the same run: CPU seconds and ratios.
 //!
-//! `cargo bench -p sdf-bake --bench bake [-- MESH...]` bakes the gear, the sliver plate, three parts of the shared folder
-//! (`ROBOFIN_SHARED`) and meshes named; `--alone` leaves the other programs out, `--only=NAME` all meshes but those
-//! whose names begin so. Each figure is the least of five runs that take turns with `vdb_tool`, short bakes run more
-//! often; parry is asked once. `apart` is how much two bakes on a thread each gain when they run at once: what the
-//! machine's two cores have to give. All work for a mesh in memory is counted; of `vdb_tool`, whose process
-//! also reads the file, what a run that only reads takes is taken off.
+//! `cargo bench -p sdf-bake --bench bake [-- MESH...]` bakes the gear, the sliver plate, three parts of the shared
+//! folder (`ROBOFIN_SHARED`) and the meshes given; `--alone` omits the other programs, `--only=NAME` selects the meshes
+//! whose names start with it. Each figure is the least of five runs that alternate with `vdb_tool`; short bakes run
+//! more often; parry runs once. `apart` is the speed-up of two single-threaded bakes that run at once, which is the
+//! most that the machine's two cores offer. All work for a mesh in memory is counted; from `vdb_tool`, whose process
+//! also reads the file, the time of a run that only reads is subtracted.
 
 #[path = "../tests/common/parts.rs"]
 mod parts;
@@ -25,13 +25,13 @@ use sdf_bake::read::{UnitChoice, read_mesh};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
 use tempfile::NamedTempFile;
 
-/// Of the band's points, parry is asked about one in this many; its time is scaled up.
+/// Sampling interval of the band's points for parry; its time is scaled up by this factor.
 const SAMPLED: usize = 16;
 
-/// Runs of which the fastest counts, at least.
+/// Least number of runs, of which the fastest counts.
 const RUNS: usize = 5;
 
-/// For how long short bakes are run again [s].
+/// Total time for which short bakes are repeated [s].
 const ENOUGH: f64 = 3.0;
 
 /// Parts of the shared folder: a long bracket, a curved solid, an open surface of a real weldment.
@@ -78,7 +78,7 @@ fn main() {
     }
 }
 
-/// Meshes named, and those of the shared folder.
+/// The meshes given, and those of the shared folder.
 fn files() -> Vec<PathBuf> {
     let named = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).map(PathBuf::from);
     let Some(shared) = std::env::var_os("ROBOFIN_SHARED") else {
@@ -130,7 +130,7 @@ fn row(name: &str, mesh: &Mesh, resolution: f64, alone: bool, vdb_tool: bool) {
     );
 }
 
-/// Seconds this thread spends on a bake, and seconds by the clock.
+/// CPU time of this thread and wall time of a bake [s].
 fn timed(mesh: &Mesh, options: &BakeOptions) -> (f64, f64) {
     let (cpu, started) = (cpu_seconds(), Instant::now());
     let baked = bake(mesh, options);
@@ -139,7 +139,7 @@ fn timed(mesh: &Mesh, options: &BakeOptions) -> (f64, f64) {
     seconds
 }
 
-/// Seconds by the clock until two bakes that begin together, on a thread each, have both ended.
+/// Wall time until two bakes that start together, on one thread each, have both ended [s].
 fn two_apart(mesh: &Mesh, options: &BakeOptions) -> f64 {
     let begin = Barrier::new(2);
     let one = || {
@@ -162,7 +162,7 @@ fn write_obj(mesh: &Mesh) -> NamedTempFile {
     file
 }
 
-/// CPU seconds of `vdb_tool` on the same lattice, without those for reading.
+/// CPU time of `vdb_tool` on the same lattice, without reading the file [s].
 fn vdb_seconds(file: &Path, voxel: f64) -> f64 {
     let run = |arguments: &[String]| {
         let before = children_cpu_seconds();
@@ -175,7 +175,7 @@ fn vdb_seconds(file: &Path, voxel: f64) -> f64 {
     run(&["-mesh2ls".into(), format!("voxel={voxel}"), "width=3".into()]) - reading
 }
 
-/// CPU seconds of all ended child processes, from Linux.
+/// CPU time of all ended child processes, from Linux [s].
 fn children_cpu_seconds() -> f64 {
     const TICKS_PER_SECOND: f64 = 100.0;
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
@@ -183,7 +183,7 @@ fn children_cpu_seconds() -> f64 {
     fields.skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / TICKS_PER_SECOND
 }
 
-/// Seconds parry takes to build its tree and to project the points of the band, scaled up from a sample of rows.
+/// Time of parry to build its tree and to project the points of the band [s], scaled up from a sample of rows.
 fn parry_seconds(mesh: &Mesh, grid: &BrickGrid) -> f64 {
     let started = cpu_seconds();
     let vertices = mesh.positions.iter().map(|p| Vector::new(p.x as f32, p.y as f32, p.z as f32)).collect();
@@ -204,7 +204,7 @@ fn parry_seconds(mesh: &Mesh, grid: &BrickGrid) -> f64 {
     build + (cpu_seconds() - started) * SAMPLED as f64
 }
 
-/// Seconds this thread has run: Linux counts them; elsewhere the clock must do.
+/// CPU time of this thread [s]; wall time where Linux's figure is not available.
 fn cpu_seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     let clock = || START.get_or_init(Instant::now).elapsed().as_secs_f64();

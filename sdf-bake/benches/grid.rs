@@ -1,4 +1,4 @@
-//! What a field costs: bytes per byte of brick, and seconds of its operations.
+//! Cost of a field: bytes per byte of brick, and seconds of its operations.
 //!
 //! `cargo bench -p sdf-bake --bench grid`
 
@@ -39,7 +39,7 @@ fn main() {
     fastest("ten million slots", || slots_looked_up(&gear));
 }
 
-/// A round rod of a radius [m] from corner to corner of a cube of 20 mm.
+/// A round rod of given radius [m] along the diagonal of a cube of 20 mm.
 fn diagonal_rod(across: f64, radius: f64) -> BrickGrid {
     let axis = DVec3::ONE.normalize();
     let turn = DMat3::from_cols(axis.any_orthonormal_pair().0, axis.any_orthonormal_pair().1, axis);
@@ -63,7 +63,7 @@ fn memory(name: &str, across: f64, grid: &BrickGrid) {
     );
 }
 
-/// Prints the least of five times, by the clock and of all processors together.
+/// Prints the least of five wall times and of five CPU times.
 fn fastest<T>(what: &str, mut work: impl FnMut() -> T) {
     let (mut clock, mut processor) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..5 {
@@ -75,9 +75,9 @@ fn fastest<T>(what: &str, mut work: impl FnMut() -> T) {
     println!("{what:28} {clock:.4} s by the clock, {processor:.3} CPU s");
 }
 
-/// CPU time of this process, all threads together [s]; NaN where the system does not tell.
+/// CPU time of this process, all threads together [s]; NaN where the system does not report it.
 fn cpu_seconds() -> f64 {
-    // Nanoseconds on a processor are the first number of each thread's file.
+    // The first number of each thread's file is its CPU time in nanoseconds.
     let Ok(threads) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
     let of_thread = |folder: std::fs::DirEntry| {
         let text = std::fs::read_to_string(folder.path().join("schedstat")).ok()?;

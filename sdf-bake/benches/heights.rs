@@ -1,4 +1,4 @@
-//! From a height map to bricks on one thread: milliseconds, and the real pixels per second.
+//! Time to convert a height map to bricks on one thread: milliseconds, and pixels per second.
 //!
 //! `cargo bench -p sdf-bake --bench heights`
 

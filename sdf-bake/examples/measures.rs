@@ -1,4 +1,5 @@
-//! Volume and area of fields against closed forms, from coarse to fine; fails where a promise is broken.
+//! Compares volume and area of fields with closed forms, from coarse to fine; fails if a documented accuracy is not
+//! met.
 //!
 //! ```sh
 //! cargo run --release -p sdf-bake --example measures
@@ -15,7 +16,7 @@ use sdf_bake::{BakeOptions, BrickGrid, bake};
 /// Voxels across the longest side.
 const ACROSS: [f64; 4] = [32.0, 64.0, 128.0, 256.0];
 
-/// Relative errors of volume and area, by the field and by its mesh, at one voxel size.
+/// Relative errors of volume and area, from the field and from its mesh, at one voxel size.
 struct Errors {
     volume: f64,
     mesh_volume: f64,

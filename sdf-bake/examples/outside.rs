@@ -1,4 +1,4 @@
-//! A bead united with a plate, as files for opinions from outside.
+//! Writes the union of a bead and a plate as files to be checked by other programs.
 //!
 //! ```sh
 //! cargo run --release -p sdf-bake --example outside -- FOLDER [VOXELS ACROSS]
@@ -6,8 +6,8 @@
 //! python scripts/check_nvdb.py FOLDER/field.nvdb --expect FOLDER/expected.txt
 //! ```
 //!
-//! Writes both meshes, the field with weld ids, dose and removed depth, and what other programs must find in it. Prints one
-//! line of JSON: the volume of the plate, of the union and what the bead adds, in mm³.
+//! Writes both meshes, the field with weld ids, dose and removed depth, and the values that other programs must find in
+//! it. Prints one line of JSON: the volume of the plate, of the union, and of the added metal, in mm³.
 
 #[path = "../tests/common/parts.rs"]
 mod parts;
@@ -19,7 +19,7 @@ use glam::{DVec3, IVec3};
 use sdf_bake::nvdb::{Codec, write_field};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, Scalar, bake};
 
-/// Voxels and places whose values are told.
+/// Number of voxels whose values are written.
 const TOLD: usize = 40_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A dose that fades along x, and a depth removed from the bead, both next to the surface.
+/// Sets a dose that decreases along x, and a removed depth on the bead, both next to the surface.
 fn sand(field: &mut BrickGrid) {
     let near: Vec<usize> = (0..field.phi.len()).filter(|&at| field.phi[at].abs() < 2.0 * field.voxel as f32).collect();
     for at in near {
@@ -75,7 +75,7 @@ fn expected(field: &BrickGrid) -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-/// Rust prints the shortest decimal that reads back as the same `f64`.
+/// Writes a mesh as OBJ. Rust prints the shortest decimal that parses back to the same `f64`.
 fn obj(mesh: &Mesh) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     for p in &mesh.positions {

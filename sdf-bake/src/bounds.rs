@@ -1,4 +1,4 @@
-//! Where the surface is: the box around the zero set.
+//! Bounding box of the zero set.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -8,8 +8,8 @@ use crate::grid::{BRICK_VOXELS, BrickGrid, voxel_at};
 const STEPS: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
 impl BrickGrid {
-    /// Smallest and largest corner [m] of the box around {φ = 0}, from its crossings with the lattice's edges;
-    /// `None` without a surface.
+    /// Lowest and highest corner [m] of the box around {φ = 0}, from its crossings with the lattice's edges; `None`
+    /// without a surface.
     pub fn surface_bounds(&self) -> Option<(DVec3, DVec3)> {
         let join = |a: Option<(DVec3, DVec3)>, b: Option<(DVec3, DVec3)>| match (a, b) {
             (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
@@ -18,8 +18,9 @@ impl BrickGrid {
         (0..self.bricks.len()).into_par_iter().map(|slot| self.brick_crossings(slot)).reduce(|| None, join)
     }
 
-    /// Smallest and largest voxel [m] among those closer to the surface than half a voxel's diagonal; `None` without
-    /// any. Within that half diagonal it is the box of the whole surface, tips and fins thinner than a voxel included.
+    /// Lowest and highest voxel [m] among those closer to the surface than half a voxel's diagonal; `None` if there are
+    /// none. To within that half diagonal it is the box of the whole surface, including tips and fins thinner than a
+    /// voxel.
     pub fn near_surface_bounds(&self) -> Option<(DVec3, DVec3)> {
         let reach = (0.5 * 3f64.sqrt() * self.voxel) as f32;
         let near = self.phi.iter().enumerate().filter(|(_, phi)| phi.abs() <= reach);

@@ -1,8 +1,8 @@
-//! What a voxel carries besides φ: optional channels in the order of the pool.
+//! Values of a voxel besides φ: optional channels in the order of the pool.
 //!
-//! A channel is empty where a part has none of it; otherwise it has one value for each value of φ. Another `f32`
-//! channel is a field of [`BrickGrid`], a variant of [`Scalar`] and its arms below; whatever adds, moves, frees, unites
-//! or stores bricks then carries it along.
+//! A channel is empty if a part does not have it; otherwise it has one value per value of φ. To add an `f32` channel,
+//! add a field of [`BrickGrid`], a variant of [`Scalar`] and its match arms below; all functions that add, move,
+//! release, unite or store bricks then include it.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::grid::{BRICK_VOXELS, BrickGrid, cell_corner, trilinear};
 /// An optional `f32` channel of a [`BrickGrid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
-    /// Coating dose D, 1 where the coating is gone.
+    /// Coating dose D; 1 where the coating is removed.
     Dose,
-    /// Depth removed so far [m].
+    /// Removed depth [m].
     Removed,
 }
 
 impl Scalar {
-    /// All of them, in the order in which they are stored.
+    /// All channels, in the order in which they are stored.
     pub const ALL: [Self; 2] = [Self::Dose, Self::Removed];
 
     /// Name in messages and files.
@@ -33,7 +33,7 @@ impl Scalar {
 }
 
 impl BrickGrid {
-    /// Values of a channel, shape `[bricks, 512]`; empty where the part has none.
+    /// Values of a channel, shape `[bricks, 512]`; empty if the part does not have it.
     pub fn scalar(&self, channel: Scalar) -> &[f32] {
         match channel {
             Scalar::Dose => &self.dose,
@@ -41,7 +41,7 @@ impl BrickGrid {
         }
     }
 
-    /// As [`BrickGrid::scalar`], to be written or replaced.
+    /// Mutable form of [`BrickGrid::scalar`].
     pub fn scalar_mut(&mut self, channel: Scalar) -> &mut Vec<f32> {
         match channel {
             Scalar::Dose => &mut self.dose,
@@ -49,7 +49,7 @@ impl BrickGrid {
         }
     }
 
-    /// Values of a channel, made of zeros first where the part had none.
+    /// Values of a channel; filled with zeros first if the part did not have it.
     pub fn scalar_or_zero(&mut self, channel: Scalar) -> &mut [f32] {
         let values = self.phi.len();
         let scalar = self.scalar_mut(channel);
@@ -59,7 +59,7 @@ impl BrickGrid {
         scalar
     }
 
-    /// A channel at a point [m], trilinear between the eight voxels around it; 0 where no brick is.
+    /// Value of a channel at a point [m], trilinear between the eight voxels around it; 0 outside the bricks.
     pub fn sample_scalar(&self, channel: Scalar, point: DVec3) -> f32 {
         let values = self.scalar(channel);
         let (corner, fraction) = self.cell(point);
@@ -67,12 +67,12 @@ impl BrickGrid {
         trilinear(&std::array::from_fn(at), fraction)
     }
 
-    /// Coating dose D at a point [m], trilinear; 0 where no brick is.
+    /// Coating dose D at a point [m], trilinear; 0 outside the bricks.
     pub fn sample_dose(&self, point: DVec3) -> f32 {
         self.sample_scalar(Scalar::Dose, point)
     }
 
-    /// Gives new bricks at the end of the pool the value 0 in all channels but φ.
+    /// Extends all channels except φ by the value 0 for new bricks at the end of the pool.
     pub(crate) fn extend_channels(&mut self) {
         let values = self.phi.len();
         extend(&mut self.label, values);
@@ -81,7 +81,7 @@ impl BrickGrid {
         }
     }
 
-    /// Moves the values of one brick to the place of another in all channels, φ included.
+    /// Moves the values of one brick to the position of another in all channels, φ included.
     pub(crate) fn move_brick(&mut self, from: usize, to: usize) {
         let values = from * BRICK_VOXELS..(from + 1) * BRICK_VOXELS;
         self.bricks[to] = self.bricks[from];
@@ -92,7 +92,7 @@ impl BrickGrid {
         }
     }
 
-    /// Leaves the first `bricks` bricks of the pool, in all channels.
+    /// Truncates the pool to its first `bricks` bricks, in all channels.
     pub(crate) fn truncate_pool(&mut self, bricks: usize) {
         let values = bricks * BRICK_VOXELS;
         self.bricks.truncate(bricks);
@@ -167,7 +167,7 @@ mod tests {
         grid.dose = (0..grid.phi.len()).map(|at| mark(&grid, at)).collect();
         grid.scalar_or_zero(Scalar::Removed).fill(1.0);
         let bytes = grid.bytes();
-        // The first brick leaves the band, so that all others move up; a shrinking ball needs new ones.
+        // The first brick leaves the band, so all others move up; a shrinking ball needs new bricks.
         grid.phi[..BRICK_VOXELS].fill(grid.band);
         assert_eq!(grid.release_uniform_bricks(), 1);
         assert_eq!(bytes - grid.bytes(), BRICK_VOXELS * (4 + 2 + 4 + 4) + 12);

@@ -1,13 +1,13 @@
 //! Union, difference and intersection of two fields on one lattice.
 //!
-//! min(φ, ψ) is the exact distance outside a union, and inside it as long as the nearer surface is not buried in the
-//! other body. Where it is buried, the nearest point of the union is on the other body's surface or on the seam, where
-//! both distances vanish (`seam.rs`). Voxels of a cell that the surface crosses stay in any case, so the zero set is that
-//! of min(φ, ψ). A difference is the complement of a union with a complement, and so is an intersection.
+//! min(φ, ψ) is the exact distance outside a union, and also inside it unless the nearer surface is buried in the other
+//! body. If it is buried, the nearest point of the union is on the other body's surface or on the seam, where both
+//! distances vanish (`seam.rs`). Voxels of cells that the surface crosses never change, so the zero set is that of
+//! min(φ, ψ). A difference is the complement of a union with a complement, and so is an intersection.
 //!
 //! ```text
 //!      ψ = 0 ┌────────┐            ··· buried surface
-//!   ┌────────┼········│ φ = 0      ▒   nearest surface buried: way to the seam
+//!   ┌────────┼········│ φ = 0      ▒   nearest surface buried: distance to the seam
 //!   │       ▒:▒       │
 //!   └────────┴────────┘
 //! ```
@@ -32,45 +32,45 @@ pub struct LatticeError {
     pub bands: [f32; 2],
 }
 
-/// Why two grids cannot be combined.
+/// Reason why two grids cannot be combined.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum CombineError {
     /// They do not share a lattice.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// The blend reaches farther than the distances are known.
+    /// The blend reaches beyond the band.
     #[error("a blend radius of {radius} m with a band of {band} m: 0 to {:.6} m are accepted; a wider band allows more", BLEND_REACH * f64::from(*band))]
     Blend {
-        /// Asked radius [m].
+        /// Requested radius [m].
         radius: f64,
         /// Band of the grids [m].
         band: f32,
     },
 }
 
-/// Largest blend radius in bands: where both distances are below 5/4 of the radius the surface may move.
+/// Greatest blend radius [bands]: the surface may move where both distances are below 5/4 of the radius.
 pub const BLEND_REACH: f64 = 0.8;
 
-/// What to make of two bodies.
+/// Boolean operation on two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Combine {
-    /// What is in either: min(φ, ψ).
+    /// Points in either body: min(φ, ψ).
     Union,
     /// The union with its inner edges filled: min(φ, ψ) − r h²/4 with h = max(1 − |φ − ψ|/r, 0), the quadratic smooth
-    /// minimum (I. Quilez 2013). In a right-angled inner edge the fillet meets both faces at the distance r from the
-    /// edge and fills r²/6 of the section; where the surfaces are farther than that from each other nothing changes.
+    /// minimum (I. Quilez 2013). In a right-angled inner edge the fillet meets both faces at distance r from the edge
+    /// and fills r²/6 of the section. Surfaces farther than r from each other do not change.
     SmoothUnion {
         /// r [m], at most 0.8 bands.
         radius: f64,
     },
-    /// What is in the first and not in the second: max(φ, −ψ).
+    /// Points in the first body but not in the second: max(φ, −ψ).
     Difference,
-    /// What is in both: max(φ, ψ).
+    /// Points in both bodies: max(φ, ψ).
     Intersection,
 }
 
 impl Combine {
-    /// Signs of φ and ψ that make this a union, whose sign is then turned back by the third.
+    /// Signs of φ and ψ that convert this to a union, and the sign that converts the result back.
     fn signs(self) -> [f32; 3] {
         match self {
             Self::Union | Self::SmoothUnion { .. } => [1.0, 1.0, 1.0],
@@ -85,13 +85,13 @@ impl Combine {
 }
 
 impl BrickGrid {
-    /// This body combined with `other`: truncated distances, inside or outside known everywhere. Exact where the nearest
-    /// surface is that of one body, elsewhere the way to the seam; the surface is that of min or max of the two. Each
-    /// voxel keeps label, dose and the like of the body whose surface it is nearer to; what was cut open keeps those of
-    /// this body.
+    /// Combines this body with `other`: truncated distances, with the sign known everywhere. They are exact where the
+    /// nearest surface is that of one body, and the distance to the seam elsewhere; the surface is that of min or max
+    /// of the two. Each voxel keeps label, dose and other channels of the body whose surface is nearer; surfaces opened
+    /// by a cut keep those of this body.
     ///
     /// # Errors
-    /// [`CombineError`] when voxel or band differ, or a blend reaches beyond the band.
+    /// [`CombineError`] if voxel or band differ, or a blend reaches beyond the band.
     pub fn combined_with(&self, other: &BrickGrid, how: Combine) -> Result<BrickGrid, CombineError> {
         let band = f64::from(self.band);
         if !(0.0..=BLEND_REACH * band).contains(&how.radius()) {
@@ -107,7 +107,7 @@ impl BrickGrid {
         Ok(grid)
     }
 
-    /// Takes each voxel's scalars from `second` where `owned`, else from `first`.
+    /// Takes each voxel's scalars from `second` where `owned` is true, otherwise from `first`.
     pub(crate) fn inherit_scalars(&mut self, first: &Self, second: &Self, owned: impl Fn(usize) -> bool) {
         for channel in Scalar::ALL {
             let parts = [(first, first.scalar(channel)), (second, second.scalar(channel))];
@@ -115,7 +115,7 @@ impl BrickGrid {
         }
     }
 
-    /// φ of a whole brick [m], also where no brick is.
+    /// φ of a whole brick [m], also outside the pool.
     fn brick_phi(&self, brick: IVec3) -> [f32; BRICK_VOXELS] {
         match self.slot(brick) {
             OUTSIDE => [self.band; BRICK_VOXELS],
@@ -128,7 +128,7 @@ impl BrickGrid {
     }
 }
 
-/// A channel of the bricks of `grid` from those of two others: the second's where `second_owns` the place.
+/// A channel for the bricks of `grid` from two others: the second's where `second_owns` is true, otherwise the first's.
 pub(crate) fn inherit<T: Copy + Default>(
     grid: &BrickGrid,
     [first, second]: [(&BrickGrid, &[T]); 2],
@@ -144,40 +144,40 @@ pub(crate) fn inherit<T: Copy + Default>(
     (0..grid.phi.len()).map(value).collect()
 }
 
-/// Two bodies, seen so that their combination is a union.
+/// Two bodies, with signs that make their combination a union.
 pub(crate) struct Combination<'a> {
     bodies: Bodies<'a>,
-    /// Sign that turns the union's φ into that of the combination.
+    /// Sign that converts the union's φ to that of the combination.
     back: f32,
     radius: f32,
     whole_box: bool,
 }
 
-/// A brick of a combination.
+/// One brick of a combination.
 struct Mixed {
     phi: [f32; BRICK_VOXELS],
-    /// Voxels whose nearer surface is the second body's.
+    /// Voxels closer to the second body's surface.
     from_second: VoxelSet,
     inexact: Vec<Inexact>,
 }
 
 /// A voxel at which φ is not the distance.
 struct Inexact {
-    /// Its place in the brick.
+    /// Offset in the brick.
     offset: usize,
     truth: Truth,
-    /// The lesser of both distances [m], which the union's does not exceed.
+    /// The smaller of both distances [m], an upper bound of the union's.
     bound: f32,
 }
 
-/// What is known of the distance at a voxel.
+/// Knowledge of the distance at a voxel.
 #[derive(Clone, Copy)]
 enum Truth {
-    /// It is φ.
+    /// The distance is φ.
     Exact,
-    /// It is this [m].
+    /// The distance has this value [m].
     Other(f32),
-    /// Only the voxels around tell it.
+    /// The distance follows only from the voxels around.
     Unknown,
 }
 
@@ -207,8 +207,8 @@ impl<'a> Combination<'a> {
         })
     }
 
-    /// The combination, and for each of its bricks the voxels that are nearer to the second body's surface. The first's
-    /// labels and scalars are not carried over. With `keeps_core`, bricks that only the second body fills are kept.
+    /// Returns the combination, and for each of its bricks the voxels closer to the second body's surface. Labels and
+    /// scalars of the first are not copied. With `keeps_core`, bricks that only the second body fills are kept.
     pub(crate) fn grid(&self, keeps_core: bool) -> (BrickGrid, Vec<VoxelSet>) {
         let [first, second] = self.bodies.grids;
         let (origin, dims) = if self.whole_box {
@@ -242,7 +242,7 @@ impl<'a> Combination<'a> {
         (grid, from_second)
     }
 
-    /// Writes the distances that are known, and redistances the other voxels; those at the surface stay.
+    /// Writes the known distances, and redistances the other voxels; those at the surface stay.
     fn settle(&self, grid: &mut BrickGrid, inexact: Vec<(u32, Vec<Inexact>)>) {
         let off_surface = |(slot, mut voxels): (u32, Vec<Inexact>)| {
             let halo = grid.halo(grid.bricks[slot as usize], 1);
@@ -270,14 +270,14 @@ impl<'a> Combination<'a> {
             }
         }
         grid.redistance_voxels(&slots, &unknown);
-        // No point of a union is nearer to its surface than to that of the body it lies in.
+        // A point inside a union is no nearer to the union's surface than to that of its own body.
         for (place, bound) in bounds {
             grid.phi[place] = self.back * (self.back * grid.phi[place]).min(bound);
         }
     }
 
     fn part(&self, brick: IVec3, keeps_core: bool) -> Part {
-        // Inside (-1), outside (1) or a brick, in the sense of the union.
+        // Inside (-1), outside (1) or a brick (0), in terms of the union.
         let state = |body: usize| match self.bodies.grids[body].slot(brick) {
             OUTSIDE => self.bodies.signs[body],
             INSIDE => -self.bodies.signs[body],
@@ -313,7 +313,7 @@ impl<'a> Combination<'a> {
         mixed
     }
 
-    /// φ of the union at a point [m] where the bodies' distances are `values` [m], and what is known of its distance.
+    /// φ of the union at a point [m] where the bodies' distances are `values` [m], and the knowledge of its distance.
     fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Truth) {
         let band = self.bodies.grids[0].band;
         let least = values[0].min(values[1]);

@@ -1,14 +1,15 @@
-//! Where a triangle crosses a column along z: one rule for every count of crossings.
+//! Crossing of a triangle with a column along z: one rule for all counts of crossings.
 //!
-//! A triangle's outline passes a line of constant y at two points, and the triangle crosses the columns x of that line
-//! with `left.x <= x < right.x`. Each point depends on its edge alone, not on the triangle or the edge's direction, so
-//! the triangles at an edge part the columns between them: of a closed surface each column is crossed as often up as
-//! down, whatever the rounding. Comparisons are between the numbers themselves, never between differences of them: −1e-17
-//! less −8 is 8 in f64, and a crossing that is compared after such a subtraction belongs to no brick or to two.
+//! A triangle's outline crosses a line of constant y at two points, and the triangle crosses the columns x of that line
+//! with `left.x <= x < right.x`. Each point depends on its edge alone, not on the triangle or the edge's direction. So
+//! the triangles at an edge partition the columns between them: each column of a closed surface is crossed equally
+//! often upwards and downwards, whatever the rounding. Comparisons are between the numbers themselves, never between
+//! differences: −1e-17 minus −8 is 8 in f64, and a crossing compared after such a subtraction could belong to no brick
+//! or to two.
 
 use glam::DVec3;
 
-/// The part of a triangle over a line of constant y.
+/// Part of a triangle on a line of constant y.
 pub(crate) struct Span {
     /// Ends; columns with `left.x <= x < right.x` are crossed.
     pub(crate) left: DVec3,
@@ -18,7 +19,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// The span of a triangle at `y`, `None` where it has none.
+    /// Span of a triangle at `y`; `None` if the line misses it.
     #[inline(always)]
     pub(crate) fn at(corners: &[DVec3; 3], y: f64) -> Option<Self> {
         let (mut up, mut down) = (None, None);
@@ -37,7 +38,7 @@ impl Span {
         })
     }
 
-    /// Height at a column that is crossed, between those of the ends.
+    /// Height at a crossed column, between the heights of the ends.
     #[inline(always)]
     pub(crate) fn height(&self, x: f64) -> f64 {
         let Self { left, right, .. } = self;
@@ -46,8 +47,8 @@ impl Span {
     }
 }
 
-/// Where an edge passes `y`: from its lower end, so that both triangles at it get the same bits, and within its box,
-/// so that no triangle crosses a column beyond its own bounds.
+/// Crossing of an edge with `y`: computed from its lower end, so that both triangles at it get the same bits, and
+/// clamped to its box, so that no triangle crosses a column beyond its own bounds.
 #[inline(always)]
 fn point_of_edge(from: DVec3, to: DVec3, y: f64) -> DVec3 {
     let (low, high) = if from.y < to.y { (from, to) } else { (to, from) };
@@ -55,7 +56,7 @@ fn point_of_edge(from: DVec3, to: DVec3, y: f64) -> DVec3 {
     at.max(low.min(high)).min(low.max(high))
 }
 
-/// Sign of the z of a triangle's normal if the ray from a point upwards crosses it, else 0.
+/// Sign of the z of a triangle's normal if the upward ray from a point crosses it, otherwise 0.
 #[inline]
 pub(crate) fn crossing_above(corners: &[DVec3; 3], point: DVec3) -> i32 {
     match Span::at(corners, point.y) {
@@ -68,7 +69,7 @@ pub(crate) fn crossing_above(corners: &[DVec3; 3], point: DVec3) -> i32 {
 mod tests {
     use super::*;
 
-    /// Two triangles over a square, both facing up, and whether one of them crosses a column.
+    /// Number of crossings of a column with two upward triangles over a square.
     fn crossings([a, b, c, d]: [DVec3; 4], x: f64, y: f64) -> i32 {
         let point = DVec3::new(x, y, -1e9);
         crossing_above(&[a, b, c], point) + crossing_above(&[a, c, d], point)

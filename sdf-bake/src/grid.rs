@@ -1,8 +1,7 @@
 //! A sparse signed distance field: 8³-voxel bricks in one pool under a top-level index ([`BrickIndex`]).
 //!
-//! φ < 0 inside. Values are exact distances [m] within the band and ±band outside it. Voxel (i, j, k) is
-//! the *point* `voxel · (i, j, k)` of the part's frame, not a cell. Inside or outside is known everywhere,
-//! also where there is no brick.
+//! φ < 0 inside. Values are exact distances [m] within the band and ±band outside it. Voxel (i, j, k) is the *point*
+//! `voxel · (i, j, k)` of the part's frame, not a cell. Inside or outside is known everywhere, also outside the bricks.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -14,9 +13,9 @@ pub const BRICK_SIDE: usize = 8;
 /// Voxels in a brick.
 pub const BRICK_VOXELS: usize = BRICK_SIDE * BRICK_SIDE * BRICK_SIDE;
 
-/// Index entry of a brick that is wholly outside, beyond the band.
+/// Index entry of a brick that is entirely outside, beyond the band.
 pub const OUTSIDE: u32 = u32::MAX;
-/// Index entry of a brick that is wholly inside, beyond the band.
+/// Index entry of a brick that is entirely inside, beyond the band.
 pub const INSIDE: u32 = u32::MAX - 1;
 
 /// Position of a voxel within its brick's 512 values; z runs fastest, as in an OpenVDB leaf.
@@ -32,7 +31,7 @@ pub fn voxel_at(brick: IVec3, offset: usize) -> IVec3 {
     brick * BRICK_SIDE as i32 + local
 }
 
-/// The sparse field and its channels. All channels share one brick order.
+/// The sparse field and its channels. All channels have the same brick order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrickGrid {
     /// Distance between voxels [m].
@@ -49,16 +48,16 @@ pub struct BrickGrid {
     pub bricks: Vec<IVec3>,
     /// Signed distance [m], shape `[bricks, 512]`.
     pub phi: Vec<f32>,
-    /// Weld id of each voxel, 0 for base metal, shape `[bricks, 512]`; empty where a part has no weld.
+    /// Weld id of each voxel, 0 for base metal, shape `[bricks, 512]`; empty if the part has no weld.
     pub label: Vec<u16>,
-    /// Coating dose D of each voxel, shape `[bricks, 512]`; empty where a part has no coating.
+    /// Coating dose D of each voxel, shape `[bricks, 512]`; empty if the part has no coating.
     pub dose: Vec<f32>,
-    /// Depth removed so far at each voxel [m], shape `[bricks, 512]`; empty where nobody keeps it.
+    /// Removed depth at each voxel [m], shape `[bricks, 512]`; empty if it is not recorded.
     pub removed: Vec<f32>,
 }
 
 impl BrickGrid {
-    /// An empty grid: everything is outside.
+    /// An empty grid, entirely outside.
     pub fn empty(voxel: f64, band: f32, origin: IVec3, dims: IVec3) -> Self {
         Self {
             voxel,
@@ -85,19 +84,19 @@ impl BrickGrid {
         4 * (self.phi.len() + scalars) + 2 * self.label.len() + 12 * self.bricks.len() + self.index.bytes()
     }
 
-    /// Number of a brick in the order of the index, x slowest, or `None` outside the indexed box.
+    /// Index of a brick's entry, x slowest; `None` outside the indexed box.
     pub(crate) fn entry(&self, brick: IVec3) -> Option<usize> {
         let at = brick - self.origin;
         let within = at.cmpge(IVec3::ZERO).all() && at.cmplt(self.dims).all();
         within.then(|| ((at.x * self.dims.y + at.y) as usize) * self.dims.z as usize + at.z as usize)
     }
 
-    /// Slot of a brick, [`OUTSIDE`] or [`INSIDE`].
+    /// Slot of a brick, or [`OUTSIDE`] or [`INSIDE`].
     pub fn slot(&self, brick: IVec3) -> u32 {
         self.index.get(brick - self.origin)
     }
 
-    /// Gives a brick a slot, [`OUTSIDE`] or [`INSIDE`].
+    /// Sets a brick's slot, or [`OUTSIDE`] or [`INSIDE`].
     ///
     /// # Panics
     /// If the brick is outside the indexed box.
@@ -105,14 +104,15 @@ impl BrickGrid {
         self.index.set(brick - self.origin, slot);
     }
 
-    /// Whether cells whose lowest corners are in a brick lie between bricks that are wholly inside and wholly outside. So
-    /// it is where a hole was closed for the sign only: the distance knows nothing of the patch, and φ jumps.
+    /// True if cells whose lowest corners are in a brick lie between bricks that are entirely inside and entirely
+    /// outside. This happens where a hole was closed for the sign only: the distance does not include the patch, and φ
+    /// jumps.
     pub(crate) fn jumps_at(&self, brick: IVec3) -> bool {
         let around = |side: u32| (0..8).any(|i| self.slot(brick + cell_corner(i)) == side);
         around(INSIDE) && around(OUTSIDE)
     }
 
-    /// Position of a voxel in the pool, or `None` where no brick is.
+    /// Index of a voxel in the pool, or `None` outside the bricks.
     pub fn place(&self, voxel: IVec3) -> Option<usize> {
         match self.slot(voxel >> 3) {
             OUTSIDE | INSIDE => None,
@@ -120,7 +120,7 @@ impl BrickGrid {
         }
     }
 
-    /// The voxel at a position in the pool.
+    /// Voxel at an index in the pool.
     pub fn voxel_of(&self, place: usize) -> IVec3 {
         voxel_at(self.bricks[place / BRICK_VOXELS], place % BRICK_VOXELS)
     }
@@ -134,7 +134,7 @@ impl BrickGrid {
         }
     }
 
-    /// Weld id at a voxel; 0 for base metal and where no brick is.
+    /// Weld id at a voxel; 0 for base metal and outside the bricks.
     pub fn label_at(&self, voxel: IVec3) -> u16 {
         self.place(voxel).and_then(|at| self.label.get(at)).copied().unwrap_or(0)
     }
@@ -163,15 +163,15 @@ impl BrickGrid {
         (trilinear(&values, fraction), gradient)
     }
 
-    /// Outward unit normal at a point [m], from central differences one voxel wide, which is smoother
-    /// across cells than [`BrickGrid::sample_gradient`].
+    /// Outward unit normal at a point [m], from central differences over one voxel, which are smoother across cells
+    /// than [`BrickGrid::sample_gradient`].
     pub fn normal(&self, point: DVec3) -> Vec3 {
         let h = 0.5 * self.voxel;
         let along = |axis: DVec3| self.sample(point + axis * h) - self.sample(point - axis * h);
         Vec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z)).normalize_or_zero()
     }
 
-    /// Lowest voxel of the cell around a point [m], and the point's place in that cell (0 to 1).
+    /// Lowest voxel of the cell around a point [m], and the point's position in that cell (0 to 1).
     pub fn cell(&self, point: DVec3) -> (IVec3, Vec3) {
         let at = point / self.voxel;
         let corner = at.floor();
@@ -187,7 +187,7 @@ impl BrickGrid {
         std::array::from_fn(|i| self.phi_at(corner + cell_corner(i)))
     }
 
-    /// As [`BrickGrid::cell_phi`] for a cell whose corners lie in one brick.
+    /// [`BrickGrid::cell_phi`] for a cell whose corners lie in one brick.
     fn cell_phi_within(&self, corner: IVec3) -> [f32; 8] {
         match self.slot(corner >> 3) {
             OUTSIDE => [self.band; 8],
@@ -199,10 +199,10 @@ impl BrickGrid {
         }
     }
 
-    /// Checks that index and pool agree and that all values are finite and within the band.
+    /// Checks that index and pool are consistent and that all values are finite and within the band.
     ///
     /// # Errors
-    /// A sentence that names the first brick or voxel that is wrong.
+    /// A sentence that names the first faulty brick or voxel.
     pub fn sanity_check(&self) -> Result<(), String> {
         if self.phi.len() != self.bricks.len() * BRICK_VOXELS {
             return Err(format!("{} values for {} bricks", self.phi.len(), self.bricks.len()));
@@ -250,7 +250,7 @@ pub fn trilinear_gradient(values: &[f32; 8], f: Vec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// One brick that holds a linear field, which trilinear sampling must reproduce exactly.
+    /// One brick with a linear field, which trilinear sampling must reproduce exactly.
     fn linear_grid() -> (BrickGrid, impl Fn(DVec3) -> f64) {
         let plane = |p: DVec3| 0.02 * p.x - 0.05 * p.y + 0.01 * p.z + 0.001;
         let mut grid = BrickGrid::empty(0.5, 1.0, IVec3::splat(-1), IVec3::ONE);

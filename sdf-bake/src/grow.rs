@@ -1,12 +1,12 @@
-//! Bricks added ahead of a surface that moves into the part, and freed behind it.
+//! Adds bricks ahead of a surface that moves into the part, and releases those behind it.
 
 use glam::IVec3;
 
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
 
 impl BrickGrid {
-    /// Returns bricks that are wholly beyond the band to the index. Slots change; the order of bricks stays. Inside
-    /// bricks with a weld label are kept: it says what an opened surface would show.
+    /// Releases bricks that are entirely beyond the band; returns their number. Slots change; the order of bricks
+    /// stays. Inside bricks with a weld label are kept, because the label is needed if the surface reaches them.
     pub fn release_uniform_bricks(&mut self) -> usize {
         let before = self.brick_count();
         let mut kept = 0;
@@ -32,8 +32,8 @@ impl BrickGrid {
         before - kept
     }
 
-    /// Slot of the brick at `brick` [bricks], which is given one if it is wholly inside; `None` outside. A new brick holds
-    /// -band everywhere.
+    /// Slot of the brick at `brick` [bricks]. An inside brick without a slot gets one, filled with -band; `None`
+    /// outside.
     pub fn open_inside_brick(&mut self, brick: IVec3) -> Option<u32> {
         match self.slot(brick) {
             OUTSIDE => None,

@@ -1,6 +1,6 @@
 //! A brick together with the voxels around it, copied into one dense cube.
 //!
-//! Stencils that reach beyond a brick read this cube instead of looking each neighbour up.
+//! Stencils that extend beyond a brick read this cube instead of looking up each neighbour.
 
 use glam::IVec3;
 
@@ -16,26 +16,26 @@ pub struct Halo {
 }
 
 impl Halo {
-    /// Position in `phi` of the voxel at `local` [voxels from the brick's first voxel, from `-margin`].
+    /// Index in `phi` of the voxel at `local` [voxels from the brick's first voxel, from `-margin`].
     pub fn at(&self, local: IVec3) -> usize {
         let l = local + self.margin as i32;
         (l.x as usize * self.side + l.y as usize) * self.side + l.z as usize
     }
 
-    /// Whether a voxel of the brick is a corner of a cell that the surface crosses.
+    /// True if a voxel of the brick is a corner of a cell that the surface crosses.
     pub(crate) fn at_surface(&self, offset: usize) -> bool {
         let local = voxel_at(IVec3::ZERO, offset);
         let inside = |local: IVec3| self.phi[self.at(local)] < 0.0;
         (0..27).any(|i| inside(local + IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1)) != inside(local))
     }
 
-    /// Distance in `phi` between neighbours along x, y and z.
+    /// Offset in `phi` between neighbours along x, y and z.
     pub fn strides(&self) -> [usize; 3] {
         [self.side * self.side, self.side, 1]
     }
 }
 
-/// Where a neighbour's voxels start in it, where they land in the cube, and how many there are.
+/// First copied voxel of a neighbour, its position in the cube, and the number of copied voxels.
 fn overlap(step: i32, margin: usize) -> (usize, usize, usize) {
     match step {
         -1 => (BRICK_SIDE - margin, 0, margin),
@@ -55,7 +55,7 @@ impl BrickGrid {
         halo
     }
 
-    /// Whether another grid has the same values in a brick and `margin` (at most 8) voxels on each side of it.
+    /// True if another grid has the same values in a brick and `margin` (at most 8) voxels on each side of it.
     pub(crate) fn equals_around(&self, other: &Self, brick: IVec3, margin: usize) -> bool {
         (0..27).all(|i| {
             let step = IVec3::new(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);

@@ -9,7 +9,7 @@ use crate::index::columns;
 impl BrickGrid {
     /// Samples a signed distance function on the lattice.
     ///
-    /// - `low`, `high`: box [m] that holds the whole surface; bricks are made up to one band beyond it
+    /// - `low`, `high`: box [m] that contains the whole surface; bricks are made up to one band beyond it
     /// - `voxel`: distance between voxels [m]
     /// - `band_voxels`: truncation distance [voxels]
     /// - `distance`: signed distance [m] at a point [m], negative inside, 1-Lipschitz
@@ -28,7 +28,7 @@ impl BrickGrid {
         Self::from_bricks((voxel, band), first, dims, |brick| fill(brick, (voxel, band as f32), &distance))
     }
 
-    /// Asks `fill` for every brick of a box, on all threads, and gathers the answers in the order of the index.
+    /// Calls `fill` for every brick of a box, on all threads, and collects the results in index order.
     ///
     /// - `lattice`: voxel and band [m]
     /// - `first`, `dims`: the box [bricks]
@@ -59,7 +59,7 @@ impl BrickGrid {
     }
 }
 
-/// What a brick holds.
+/// Contents of a brick.
 pub(crate) enum Filled {
     Outside,
     Inside,
@@ -67,7 +67,7 @@ pub(crate) enum Filled {
 }
 
 impl Filled {
-    /// A brick of values [m] by their offset, truncated at the band [m].
+    /// Makes a brick from values [m] by offset, truncated at the band [m].
     pub(crate) fn of(value: impl Fn(usize) -> f32, band: f32) -> Self {
         let mut values = Box::new([0f32; BRICK_VOXELS]);
         for (offset, phi) in values.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! Which brick of a box is where in the pool: tiles of 8³ entries under a dense root.
+//! Maps the bricks of a box to slots in the pool: tiles of 8³ entries under a dense root.
 //!
 //! ```text
 //!   root   ┌───┬───┬───┬───┐   a tile's number, or one side for all of its bricks
@@ -7,21 +7,21 @@
 //!   tiles      512  512        a brick's slot, or its side
 //! ```
 //!
-//! A part of n bricks across has some n² of them; of the n³ entries around it, the root takes one in 512. So a wire one
-//! brick thick from corner to corner of a box of 256³ bricks, 4.5 MB, is found through 0.1 MB of root and 0.2 MB of tiles.
+//! A part of n bricks across has about n² bricks; of the n³ entries around it, the root stores one in 512. A wire one
+//! brick thick along the diagonal of a box of 256³ bricks, 4.5 MB, needs 0.1 MB of root and 0.2 MB of tiles.
 
 use glam::{IVec2, IVec3};
 use rayon::prelude::*;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_at, voxel_offset};
 
-/// Entries along the side of a tile: as many as voxels along a brick's, so that a brick's place in its tile is that of a
-/// voxel in its brick.
+/// Entries along the side of a tile: equal to the voxels along a brick's side, so that a brick's offset in its tile is
+/// computed like a voxel's in its brick.
 const TILE_SIDE: i32 = BRICK_SIDE as i32;
 /// Entries in a tile.
 const TILE_ENTRIES: usize = BRICK_VOXELS;
 
-/// Slots of the bricks of a box, or [`OUTSIDE`] or [`INSIDE`]. Bricks are counted from the lowest of the box.
+/// Slots of the bricks of a box, or [`OUTSIDE`] or [`INSIDE`]. Brick coordinates count from the lowest of the box.
 #[derive(Clone, Debug, Default)]
 pub struct BrickIndex {
     dims: IVec3,
@@ -32,17 +32,17 @@ pub struct BrickIndex {
     tiles: Vec<[u32; TILE_ENTRIES]>,
 }
 
-/// Where a brick's entry is.
+/// Location of a brick's entry.
 #[derive(Clone, Copy)]
 struct Place {
-    /// Its tile's place in the root.
+    /// Index of its tile in the root.
     tile: usize,
-    /// Its place in the tile.
+    /// Index of the entry in the tile.
     entry: usize,
 }
 
 impl BrickIndex {
-    /// An index of `dims` bricks per axis, all outside.
+    /// An index of `dims` bricks per axis, entirely outside.
     pub fn new(dims: IVec3) -> Self {
         let root_dims: IVec3 = (dims + (TILE_SIDE - 1)) >> 3;
         let root = vec![OUTSIDE; root_dims.as_usizevec3().element_product()];
@@ -66,19 +66,19 @@ impl BrickIndex {
         self.dims
     }
 
-    /// Bytes held.
+    /// Memory size [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(&self.root[..]) + size_of_val(&self.tiles[..])
     }
 
-    /// Where the entry of a brick is, or `None` outside the box.
+    /// Location of a brick's entry; `None` outside the box.
     #[inline]
     fn place(&self, brick: IVec3) -> Option<Place> {
         let within = brick.as_uvec3().cmplt(self.dims.as_uvec3()).all();
         within.then(|| Place { tile: self.tile(brick >> 3), entry: voxel_offset(brick) })
     }
 
-    /// Slot at a place, [`OUTSIDE`] or [`INSIDE`].
+    /// Slot at a location, or [`OUTSIDE`] or [`INSIDE`].
     #[inline]
     fn at(&self, place: Place) -> u32 {
         match self.root[place.tile] {
@@ -87,13 +87,13 @@ impl BrickIndex {
         }
     }
 
-    /// Slot of a brick, [`OUTSIDE`] or [`INSIDE`]; outside beyond the box.
+    /// Slot of a brick, or [`OUTSIDE`] or [`INSIDE`]; outside beyond the box.
     #[inline]
     pub fn get(&self, brick: IVec3) -> u32 {
         self.place(brick).map_or(OUTSIDE, |place| self.at(place))
     }
 
-    /// Gives a brick a slot, [`OUTSIDE`] or [`INSIDE`].
+    /// Sets a brick's slot, or [`OUTSIDE`] or [`INSIDE`].
     ///
     /// # Panics
     /// If the brick is outside the box.
@@ -105,7 +105,8 @@ impl BrickIndex {
         }
     }
 
-    /// Puts the bricks from `low` to below `high`, which lie within the box, on one side: [`OUTSIDE`] or [`INSIDE`].
+    /// Sets the bricks from `low` to below `high`, which must lie within the box, to one side: [`OUTSIDE`] or
+    /// [`INSIDE`].
     pub fn fill(&mut self, low: IVec3, high: IVec3, side: u32) {
         for at in cells(low >> 3, (high + (TILE_SIDE - 1)) >> 3) {
             let (first, end): (IVec3, IVec3) = (at << 3, (at + 1) << 3);
@@ -122,7 +123,7 @@ impl BrickIndex {
         }
     }
 
-    /// Gives back the memory of tiles that are wholly on one side.
+    /// Frees the memory of tiles that are entirely on one side.
     pub fn tidy(&mut self) {
         let tiles = std::mem::take(&mut self.tiles);
         for root in self.root.iter_mut().filter(|root| **root < INSIDE) {
@@ -150,23 +151,23 @@ impl BrickIndex {
         runs.take(self.dims.z as usize)
     }
 
-    /// Slots of all bricks, x slowest: the dense array that devices bind.
+    /// Slots of all bricks, x slowest: the dense array that the GPU binds.
     pub fn dense(&self) -> Vec<u32> {
         (0..self.dims.x).flat_map(|x| (0..self.dims.y).flat_map(move |y| self.row(x, y))).collect()
     }
 
-    /// Slots of all bricks that have one, tile by tile.
+    /// Slots of all bricks that have a slot, tile by tile.
     pub fn slots(&self) -> impl Iterator<Item = u32> + '_ {
         let tiles = self.root.iter().filter(|&&tile| tile < INSIDE).flat_map(|&tile| self.tiles[tile as usize]);
         tiles.filter(|&slot| slot < INSIDE)
     }
 
-    /// Number of tiles, those on one side included.
+    /// Number of tiles, including those entirely on one side.
     pub fn tile_count(&self) -> usize {
         self.root.len()
     }
 
-    /// Bricks of a tile that are wholly inside.
+    /// Bricks of a tile that are entirely inside.
     pub fn inside_of(&self, tile: usize) -> impl Iterator<Item = IVec3> + '_ {
         let first: IVec3 = entry_brick(tile, self.root_dims) << 3;
         let entries = if self.root[tile] == OUTSIDE { 0..0 } else { 0..TILE_ENTRIES };
@@ -175,13 +176,13 @@ impl BrickIndex {
         bricks.filter(|brick| brick.cmplt(self.dims).all())
     }
 
-    /// Place of a tile in the root.
+    /// Index of a tile in the root.
     #[inline]
     fn tile(&self, at: IVec3) -> usize {
         ((at.x * self.root_dims.y + at.y) * self.root_dims.z + at.z) as usize
     }
 
-    /// A tile's entries, which are made where it was on one side.
+    /// Entries of a tile; created if the tile was entirely on one side.
     fn tile_mut(&mut self, tile: usize) -> &mut [u32; TILE_ENTRIES] {
         let root = &mut self.root[tile];
         if *root >= INSIDE {
@@ -192,7 +193,7 @@ impl BrickIndex {
     }
 }
 
-/// The same slots for the same bricks, however they are held.
+/// Equal if the bricks have equal slots, however they are stored.
 impl PartialEq for BrickIndex {
     fn eq(&self, other: &Self) -> bool {
         let alike = |x: i32, y: i32| self.row(x, y).eq(other.row(x, y));
@@ -200,13 +201,13 @@ impl PartialEq for BrickIndex {
     }
 }
 
-/// Brick coordinates, relative to the first, of the entry at a place in a dense array; x runs slowest.
+/// Brick coordinates, relative to the first, of an index in a dense array; x runs slowest.
 pub(crate) fn entry_brick(entry: usize, dims: IVec3) -> IVec3 {
     let entry = entry as i32;
     IVec3::new(entry / (dims.y * dims.z), entry / dims.z % dims.y, entry % dims.z)
 }
 
-/// The columns (x, y) of a box of bricks, in order.
+/// Columns (x, y) of a box of bricks, in order.
 pub(crate) fn columns(dims: IVec3) -> impl IndexedParallelIterator<Item = IVec2> {
     (0..dims.x * dims.y).into_par_iter().map(move |column| IVec2::new(column / dims.y, column % dims.y))
 }
@@ -230,7 +231,7 @@ mod tests {
     fn slots_are_found_where_they_were_put() {
         let (low, high) = (IVec3::new(3, 0, 2), IVec3::new(18, 8, 18));
         let within = |brick: IVec3| brick.cmpge(low).all() && brick.cmplt(high).all();
-        // Also numbers of tiles.
+        // These are also tile numbers.
         let slot = |brick: IVec3| brick.element_sum() as u32 / 11;
         let is_brick = |brick: IVec3| within(brick) && brick.element_sum() % 11 == 0;
         let mut index = BrickIndex::new(DIMS);

@@ -1,6 +1,6 @@
-//! From a CAD mesh to a signed distance field.
+//! Converts a CAD mesh to a signed distance field.
 //!
-//! Everything is in SI units, in the part's right-handed frame with z up; inside is negative.
+//! All values are in SI units, in the part's right-handed frame with z up; inside is negative.
 //!
 //! ```
 //! use glam::DVec3;
@@ -17,12 +17,12 @@
 //! assert!((field.volume() / mesh.volume() - 1.0).abs() < 0.01);
 //! ```
 //!
-//! The modules in the order in which data meets them: [`read`] and [`clean`] make a [`Mesh`], [`query`] finds closest
-//! points and ray hits on it, [`mod@bake`] makes a [`BrickGrid`] ([`grid`]) with its [`channels`],
-//! [`BrickGrid::combined_with`] unites and cuts such fields, [`redistance`] keeps one a distance while it changes,
-//! [`BrickGrid::surface_mesh`] takes the surface out of it, [`nvdb`] stores it.
+//! The modules in the order of processing: [`read`] and [`clean`] make a [`Mesh`], [`query`] finds closest points and
+//! ray hits on it, [`mod@bake`] makes a [`BrickGrid`] ([`grid`]) with its [`channels`], [`BrickGrid::combined_with`]
+//! unites and cuts such fields, [`redistance`] restores the distance property of a changing field,
+//! [`BrickGrid::surface_mesh`] extracts its surface, [`nvdb`] stores it.
 //!
-//! This crate shows no progress and never prints; it opens no file but the mesh that [`read`] is given, by [`input`].
+//! This crate shows no progress and prints nothing; it opens no file except the mesh given to [`read`], by [`input`].
 
 pub mod bake;
 mod bounds;

@@ -1,9 +1,9 @@
-//! Volume and area of a field at once, from the triangles of its surface, in memory that does not grow with the part.
+//! Volume and area of a field in one pass, from the triangles of its surface, in memory independent of the part's size.
 //!
-//! The triangles keep sharp edges, which sums over voxels and cells cut off, and a wrong sign shows in both integrals. They
-//! are those of the surface mesh before any vertex goes home: sums need no manifold. A large field is taken a slab of bricks
-//! at a time, with two bricks beside it, of which the triangles with their middle in the slab count. Vertices depend on
-//! voxels less than a brick away, so they are those of the whole.
+//! The triangles keep sharp edges, which sums over voxels and cells cut off, and a wrong sign changes both integrals.
+//! They are those of the surface mesh before any vertex is moved home, because sums need no manifold. A large field is
+//! processed one slab of bricks at a time, with two bricks on either side; only triangles with their centre in the slab
+//! count. Vertices depend on voxels less than one brick away, so they equal those of the whole field.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use glam::IVec3;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
 
-/// Bricks of a slab where there is more than one layer: with some 40 vertices a brick, 150 MB of them.
+/// Bricks of a slab, if it has more than one layer: about 40 vertices per brick, or 150 MB.
 const SLAB_BRICKS: usize = 1 << 15;
 
-/// Bricks beside a slab that its own triangles may depend on.
+/// Bricks beside a slab on which its own triangles may depend.
 const BESIDE: i32 = 2;
 
 /// Integrals over a field.
@@ -27,8 +27,8 @@ pub struct Measures {
 }
 
 impl BrickGrid {
-    /// Volume inside and area of the zero set, over the triangles of [`BrickGrid::surface_mesh`]: exact for flat faces on the lattice's axes,
-    /// else of second order in the voxel (`docs/fields.md` has figures).
+    /// Volume inside and area of the zero set, over the triangles of [`BrickGrid::surface_mesh`]: exact for flat faces
+    /// along the lattice's axes, otherwise of second order in the voxel (`docs/fields.md` has figures).
     pub fn measures(&self) -> Measures {
         self.measures_by_slabs(SLAB_BRICKS)
     }
@@ -48,7 +48,8 @@ impl BrickGrid {
         sum
     }
 
-    /// Cones from the middle of the grid, and areas, of the triangles whose middle has an x within a range [voxels].
+    /// Volumes of cones from the centre of the grid, and areas, of the triangles whose centre has an x within a range
+    /// [voxels].
     fn measures_between(&self, range: Range<f64>) -> Measures {
         let middle = (self.origin.as_dvec3() + 0.5 * self.dims.as_dvec3()) * BRICK_SIDE as f64;
         let [volume, area] = self.surface_sums(|corners| {
@@ -61,8 +62,8 @@ impl BrickGrid {
         Measures { volume: volume * self.voxel.powi(3), area: area * self.voxel.powi(2) }
     }
 
-    /// Runs of layers of bricks along x, of at most `most` bricks where a layer has no more. They reach a layer beyond the
-    /// index on both sides, where cells begin that reach into it.
+    /// Runs of layers of bricks along x, with at most `most` bricks unless a single layer has more. They extend one
+    /// layer beyond the index on both sides, where cells start that reach into it.
     fn slabs(&self, most: usize) -> Vec<Range<i32>> {
         let mut in_layer = vec![0usize; self.dims.x as usize];
         self.bricks.iter().for_each(|brick| in_layer[(brick.x - self.origin.x) as usize] += 1);

@@ -1,16 +1,17 @@
-//! What baking would cost, known from the mesh before anything is allocated.
+//! Memory that baking would need, estimated from the mesh before any allocation.
 
 use thiserror::Error;
 
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS};
 use crate::{BakeOptions, Mesh};
 
-/// Bricks that a field may have: 1.6 GB of distances and labels, some times that while a workpiece is made.
+/// Greatest number of bricks of a field: 1.6 GB of distances and labels, and several times that while a workpiece is
+/// made.
 pub const MOST_BRICKS: f64 = 5e5;
 /// Bytes of distance and label in a brick.
 const BRICK_BYTES: f64 = 6.0 * BRICK_VOXELS as f64;
 
-/// Why a part cannot be baked with some options.
+/// Reason why a part cannot be baked with some options.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BudgetError {
     /// The voxel is larger than the part.
@@ -21,7 +22,7 @@ pub enum BudgetError {
         /// The part's longest side [mm].
         part_mm: f64,
     },
-    /// The grid would not fit in memory.
+    /// The grid is too large for memory.
     #[error(
         "a voxel of {voxel_mm:.3e} mm with a band of {band} voxels needs about {bricks:.1e} bricks ({gigabytes:.1} GB), and \
          {MOST_BRICKS:.0e} are accepted: use --voxel-mm {least_voxel_mm:.3e} or more, --resolution {resolution:.0} or less, or a \
@@ -32,21 +33,22 @@ pub enum BudgetError {
         voxel_mm: f64,
         /// Half width of the band [voxels].
         band: f64,
-        /// Bricks that would be needed.
+        /// Required number of bricks.
         bricks: f64,
-        /// Memory that they would take [GB].
+        /// Memory of these bricks [GB].
         gigabytes: f64,
-        /// The least voxel that would fit [mm].
+        /// Least voxel that fits [mm].
         least_voxel_mm: f64,
-        /// The greatest resolution that would fit.
+        /// Greatest resolution that fits.
         resolution: f64,
     },
 }
 
-/// Bricks that the band around a surface, and half its shell, will need, about: `A (2 b + 1.5 s) / s³`.
+/// Estimated number of bricks for the band around a surface, including half the shell: `A (2 b + 1.5 s) / s³`.
 ///
 /// A slab of area A and thickness t meets `A (t + w) / s³` cubes of side s, where w is the cube's width across the
-/// slab, 1.5 s in the mean over all directions (Cauchy 1841). There are never more than the box around the band has.
+/// slab, 1.5 s on average over all directions (Cauchy 1841). The estimate is limited to the number of bricks in the box
+/// around the band.
 fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
     let side = BRICK_SIDE as f64 * options.voxel;
     let band = options.band_voxels * options.voxel + options.half_shell();
@@ -56,18 +58,18 @@ fn expected_bricks(mesh: &Mesh, options: &BakeOptions) -> f64 {
     around_surface.min(box_of_band)
 }
 
-/// Refuses a grid that would not fit in memory; returns the number of bricks that are to be expected.
+/// Rejects a grid that is too large for memory; returns the estimated number of bricks.
 ///
 /// # Errors
-/// When the voxel is larger than the part, or about half a million bricks or more would be needed; the message says
-/// which voxel would fit.
+/// If the voxel is larger than the part, or more than half a million bricks would be needed; the message gives a voxel
+/// that fits.
 pub fn check(mesh: &Mesh, options: &BakeOptions) -> Result<f64, BudgetError> {
     let longest = mesh.bounds().map_or(0.0, |(low, high)| (high - low).max_element());
     if options.voxel > longest {
         return Err(BudgetError::VoxelTooLarge { voxel_mm: options.voxel * 1e3, part_mm: longest * 1e3 });
     }
     let bricks = expected_bricks(mesh, options);
-    // Bricks around a surface fall with the square of the voxel, those of a box faster.
+    // The number of bricks around a surface falls with the square of the voxel, that in a box faster.
     let least_voxel = options.voxel * (bricks / MOST_BRICKS).sqrt();
     if bricks > MOST_BRICKS {
         return Err(BudgetError::TooManyBricks {

@@ -1,4 +1,4 @@
-//! Defects that keep a surface from being a manifold once all vertices in one place are taken as one.
+//! Defects that keep a surface from being a manifold once equal positions are merged.
 
 use std::collections::HashMap;
 
@@ -6,17 +6,17 @@ use glam::DVec3;
 
 use crate::Mesh;
 
-/// Defects of a surface as a closed manifold once equal positions are one vertex.
+/// Defects of a surface as a closed manifold, once vertices at equal positions are merged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Merged {
-    /// Edges that its triangles do not pass exactly once each way.
+    /// Edges that triangles do not use exactly once in each direction.
     pub uneven_edges: usize,
     /// Triangles without area.
     pub flat_triangles: usize,
 }
 
 impl Merged {
-    /// Merges the vertices of a surface and counts.
+    /// Merges the vertices of a surface and counts its defects.
     pub fn of(surface: &Mesh) -> Self {
         let mut known: HashMap<[u64; 3], u32> = HashMap::with_capacity(surface.positions.len());
         let mut place = |position: &DVec3| {
@@ -47,7 +47,7 @@ mod tests {
         Merged::of(surface) == Merged::default()
     }
 
-    /// Corners of a tetrahedron, its triangles with vertices of their own.
+    /// A tetrahedron whose triangles have separate vertices.
     fn tetrahedron(corners: [DVec3; 4]) -> Mesh {
         let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let positions = sides.iter().flatten().map(|&corner| corners[corner]).collect();

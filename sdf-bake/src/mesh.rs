@@ -1,10 +1,10 @@
-//! The triangle mesh that every room reads.
+//! The triangle mesh used by all crates.
 
 use glam::DVec3;
 
 /// An indexed triangle mesh in the part's frame (right-handed, z up), in metres.
 ///
-/// Counter-clockwise corners seen from outside: normals point out of the solid.
+/// Corners are counter-clockwise seen from outside: normals point out of the solid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions [m], shape `[n, 3]`.

@@ -1,26 +1,26 @@
-//! The surface point closest to a point of the band, by steps along the gradient.
+//! Closest surface point of a point in the band, by steps along the gradient.
 
 use glam::{DVec3, IVec3};
 
 use crate::grid::{BrickGrid, cell_corner};
 use crate::tangent::Tangent;
 
-/// Steps along the gradient at most.
+/// Greatest number of steps along the gradient.
 const STEPS: usize = 5;
-/// A step shorter than this ends the way [voxels].
+/// Step length at which the iteration has converged [voxels].
 const SETTLED: f64 = 1e-6;
-/// Slopes farther than this from 1 tell that an edge of the field crosses the stencil.
+/// Greatest deviation of a slope from 1; above it an edge of the field crosses the stencil.
 const CLEAN: f64 = 0.05;
-/// As [`CLEAN`], for differences across two voxels.
+/// [`CLEAN`] for differences across two voxels.
 const CLEAN_ACROSS: f64 = 0.1;
 
 impl BrickGrid {
-    /// The point of {φ = 0} closest to `point` [m], or `None` beyond the band.
+    /// Returns the point of {φ = 0} closest to `point` [m], or `None` beyond the band.
     ///
-    /// Third order in the voxel size where the field is smooth around the way and its stencil of 4³ voxels lies in the
-    /// band, which takes a band of about three voxels more than the point's distance. Next to a sharp edge, where the
-    /// interpolant is rounder than the surface, the answer comes from the tangent planes that the voxels around the
-    /// point know.
+    /// Third order in the voxel size if the field is smooth along the path and the stencil of 4³ voxels lies in the
+    /// band, which requires a band about three voxels wider than the point's distance. Next to a sharp edge, where the
+    /// interpolant is rounder than the surface, the result comes from the tangent planes of the voxels around the
+    /// point.
     pub fn closest_surface_point(&self, point: DVec3) -> Option<DVec3> {
         let mut at = point;
         for taken in 0..STEPS {
@@ -53,8 +53,8 @@ impl BrickGrid {
         (f64::from(self.sample(point)), DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)))
     }
 
-    /// The point closest to `point` [m] on the tangent planes of the voxels around it: of the body that they enclose
-    /// together where they form an outer edge, of the one that any of them encloses where they form an inner edge.
+    /// Returns the point closest to `point` [m] on the tangent planes of the voxels around it: on the intersection of
+    /// their half-spaces at an outer edge, on their union at an inner edge.
     fn closest_on_planes(&self, point: DVec3) -> Option<DVec3> {
         let (corner, _) = self.cell(point);
         let corners = (0..8).map(|i| corner + cell_corner(i));
@@ -81,8 +81,8 @@ impl BrickGrid {
         Some(Tangent { foot: tangent.foot + voxel.as_dvec3(), ..tangent })
     }
 
-    /// φ [m] and its gradient at a point [m] by cubic convolution of 4³ voxels (Keys 1981, a = −1/2): third order, and
-    /// the gradient continuous. `None` where one of the voxels is beyond the band.
+    /// φ [m] and its gradient at a point [m] by cubic convolution of 4³ voxels (Keys 1981, a = −1/2): third order, with
+    /// a continuous gradient. `None` if one of the voxels is beyond the band.
     pub fn sample_cubic(&self, point: DVec3) -> Option<(f64, DVec3)> {
         let (corner, fraction) = self.cell(point);
         let [x, y, z] = fraction.to_array().map(|t| weights(f64::from(t)));
@@ -106,7 +106,7 @@ impl BrickGrid {
     }
 }
 
-/// Weights of four values around a place `t` (0 to 1) between the middle two, and of their derivative.
+/// Weights of four values around a position `t` (0 to 1) between the middle two, and weights of the derivative.
 fn weights(t: f64) -> ([f64; 4], [f64; 4]) {
     let (t2, t3) = (t * t, t * t * t);
     let value = [

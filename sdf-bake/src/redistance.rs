@@ -1,10 +1,10 @@
-//! Making φ a distance again after the surface moved, without moving the surface.
+//! Makes φ a distance again after the surface moved, without moving the surface.
 //!
-//! Voxels nearer to the surface than [`KEPT_VOXELS`] are left exactly as they are, so the zero set of the
-//! trilinear field does not move at all, however often this runs. All others, which no cell with a sign
-//! change touches, are recomputed outwards from them: |∇φ| = 1 with second-order upwind differences
-//! (Sethian 1999, "Level Set Methods and Fast Marching Methods", ch. 8.7), solved by Jacobi passes over
-//! bricks. The order of bricks and the number of threads do not enter.
+//! Voxels nearer to the surface than [`KEPT_VOXELS`] are unchanged, so the zero set of the trilinear field does not
+//! move, however often this runs. All others, which no cell with a sign change touches, are recomputed outwards from
+//! them: |∇φ| = 1 with second-order upwind differences (Sethian 1999, "Level Set Methods and Fast Marching Methods",
+//! ch. 8.7), solved by Jacobi passes over bricks. The result does not depend on the order of bricks or the number of
+//! threads.
 
 use glam::IVec3;
 use rayon::prelude::*;
@@ -12,14 +12,14 @@ use rayon::prelude::*;
 use crate::grid::{BRICK_VOXELS, BrickGrid, voxel_at};
 use crate::halo::Halo;
 
-/// Distance from the surface up to which redistancing changes nothing [voxels]. No corner of a cell that
-/// the surface crosses lies further away than the cell's diagonal, √3.
+/// Distance from the surface up to which redistancing changes nothing [voxels]. Corners of cells that the surface
+/// crosses are within the cell's diagonal, √3.
 pub const KEPT_VOXELS: f64 = 1.75;
 
-/// Some of a brick's voxels: word x, bit 8 y + z.
+/// A set of voxels of a brick: word x, bit 8 y + z.
 pub(crate) type VoxelSet = [u64; 8];
 
-/// Whether a set holds the voxel at `offset` in its brick.
+/// True if a set contains the voxel at `offset` in its brick.
 pub(crate) fn contains(set: &VoxelSet, offset: usize) -> bool {
     set[offset >> 6] >> (offset & 63) & 1 != 0
 }
@@ -30,7 +30,7 @@ pub(crate) fn insert(set: &mut VoxelSet, offset: usize) {
 }
 
 impl BrickGrid {
-    /// Recomputes φ beyond [`KEPT_VOXELS`] in the bricks in `slots`; other bricks are read, never written.
+    /// Recomputes φ beyond [`KEPT_VOXELS`] in the bricks in `slots`; other bricks are read, but not written.
     pub fn redistance(&mut self, slots: &[u32]) {
         let kept = (KEPT_VOXELS * self.voxel) as f32;
         self.relax(slots, kept, |_, _, phi| phi.abs() > kept);
@@ -41,11 +41,11 @@ impl BrickGrid {
         self.relax(slots, 0.0, |nth, offset, _| contains(&voxels[nth], offset));
     }
 
-    /// Solves |∇φ| = 1 at the voxels that are `free`, told by the brick's place in `slots`, the voxel's offset and φ, and
-    /// nowhere below `least` [m].
+    /// Solves |∇φ| = 1 at the voxels for which `free` returns true, given the brick's index in `slots`, the voxel's
+    /// offset and φ. No solution is below `least` [m].
     fn relax(&mut self, slots: &[u32], least: f32, free: impl Fn(usize, usize, f32) -> bool + Sync) {
         let settled = 1e-4 * self.voxel as f32;
-        // A pass carries distances one voxel further at least, and a diagonal takes two.
+        // A pass propagates distances by at least one voxel, and a diagonal takes two passes.
         let passes = (2.0 * f64::from(self.band) / self.voxel).ceil() as usize + 2;
         for _ in 0..passes {
             let solve =
@@ -63,7 +63,7 @@ impl BrickGrid {
         }
     }
 
-    /// New values of a brick and the largest change [m].
+    /// Computes new values of a brick; returns them and the greatest change [m].
     fn solve_brick(&self, slot: u32, least: f32, free: impl Fn(usize, f32) -> bool) -> (Vec<f32>, f32) {
         let mut halo = self.halo(self.bricks[slot as usize], 2);
         let mut values = Vec::with_capacity(BRICK_VOXELS);
@@ -106,8 +106,8 @@ fn eikonal(halo: &Halo, at: usize, voxel: f32) -> f32 {
     distance
 }
 
-/// Upwind value t [m] and weight w of one axis, such that |∂φ| ≈ w (d - t)/h: second order where the two
-/// voxels towards the surface fall in turn, else first order.
+/// Upwind value t [m] and weight w of one axis, such that |∂φ| ≈ w (d - t)/h: second order if φ decreases monotonically
+/// over the two voxels towards the surface, otherwise first order.
 fn upwind(halo: &Halo, at: usize, stride: usize, side: f32) -> (f32, f32) {
     let (below, above) = (side * halo.phi[at - stride], side * halo.phi[at + stride]);
     let (first, second) = if below < above {

@@ -1,21 +1,21 @@
-//! Distances in a union of two bodies where the nearer surface does not make the union's.
+//! Distances in a union of two bodies where the nearer surface is not that of the union.
 
 use glam::{DVec3, Vec3};
 
 use crate::grid::BrickGrid;
 
-/// How far a nearest surface point must lie inside the other body to count as buried [voxels].
+/// Depth of a nearest surface point inside the other body from which it counts as buried [voxels].
 const BURIED: f32 = 0.01;
-/// How near to both surfaces a point of the seam must be [voxels].
+/// Greatest distance of a seam point from both surfaces [voxels].
 const ON_SEAM: f32 = 0.05;
-/// Newton steps towards the seam; each squares the error.
+/// Number of Newton steps towards the seam; convergence is quadratic.
 const STEPS: usize = 6;
-/// Cosine of the angle between two surfaces beyond which they are taken to touch, not to cross.
+/// Cosine of the angle between two surfaces above which they count as touching instead of crossing.
 const PARALLEL: f32 = 0.99;
-/// Least slope of a blended field that is taken at its word.
+/// Least slope of a blended field that is used.
 const LEAST_SLOPE: f32 = 0.3;
 
-/// Two bodies, each with the sign that makes it a part of a union.
+/// Two bodies, each with the sign that makes it part of a union.
 pub(crate) struct Bodies<'a> {
     pub(crate) grids: [&'a BrickGrid; 2],
     pub(crate) signs: [f32; 2],
@@ -30,29 +30,28 @@ impl Bodies<'_> {
         self.signs[body] * self.grids[body].normal(point)
     }
 
-    /// The nearest point of a body's surface to a point at the distance `value` [m].
+    /// Nearest point of a body's surface to a point at signed distance `value` [m].
     fn foot(&self, body: usize, value: f32, point: DVec3) -> DVec3 {
         point - (self.normal(body, point) * value).as_dvec3()
     }
 
-    /// Whether a body's surface point next to `point` lies inside the other body.
+    /// True if a body's surface point nearest to `point` lies inside the other body.
     fn foot_is_buried(&self, body: usize, value: f32, point: DVec3) -> bool {
         self.sample(1 - body, self.foot(body, value, point)) < -BURIED * self.grids[0].voxel as f32
     }
 
-    /// Whether the union's surface is not where the nearer surface is; `values` are both distances [m] at `point`.
+    /// True if the nearer surface is not part of the union's surface; `values` are both distances [m] at `point`.
     pub(crate) fn is_buried(&self, values: [f32; 2], point: DVec3) -> bool {
         let near = usize::from(values[1] < values[0]);
         let depth = -values[near];
-        // Beyond the depth nothing of the other body reaches the nearest point.
+        // Beyond that depth, the other body does not reach the nearest point.
         depth > 0.0
             && depth < self.grids[0].band
             && values[1 - near] < depth
             && self.foot_is_buried(near, values[near], point)
     }
 
-    /// Distance [m], below zero, from a point in the union whose nearer surface is buried, or `None` where the seam is
-    /// not found.
+    /// Negative distance [m] of a point in the union whose nearer surface is buried; `None` if the seam is not found.
     pub(crate) fn depth(&self, values: [f32; 2], point: DVec3) -> Option<f32> {
         let far = usize::from(values[0] < values[1]);
         let seam = -(self.seam(point)?.distance(point) as f32);
@@ -60,8 +59,8 @@ impl Bodies<'_> {
         Some(if clear { seam.max(values[far]) } else { seam })
     }
 
-    /// The point near `point` at which both distances vanish: Newton steps, each to the nearest point of the line in
-    /// which the two tangent planes meet.
+    /// Point near `point` at which both distances vanish: Newton steps, each to the nearest point of the intersection
+    /// line of the two tangent planes.
     fn seam(&self, point: DVec3) -> Option<DVec3> {
         let mut at = point;
         for _ in 0..STEPS {
@@ -71,7 +70,7 @@ impl Bodies<'_> {
             if !crossing {
                 return None;
             }
-            // Way from `point` along each normal to its plane; then both at once.
+            // Distances from `point` along each normal to its plane; then both combined.
             let way = [0, 1].map(|body| -f64::from(self.sample(body, at)) + normals[body].dot(at - point));
             let both = 1.0 - cosine * cosine;
             let share = [(way[0] - cosine * way[1]) / both, (way[1] - cosine * way[0]) / both];
@@ -81,7 +80,7 @@ impl Bodies<'_> {
         (self.sample(0, at).abs().max(self.sample(1, at).abs()) < near).then_some(at)
     }
 
-    /// Whether a blend of `radius` [m] changes the surface next to a point with these distances [m].
+    /// True if a blend of `radius` [m] changes the surface near a point with these distances [m].
     pub(crate) fn feet_are_within(&self, values: [f32; 2], radius: f32, point: DVec3) -> bool {
         let band = self.grids[0].band;
         let near = usize::from(values[1] < values[0]);
@@ -91,7 +90,7 @@ impl Bodies<'_> {
             && self.sample(1 - near, self.foot(near, values[near], point)) < radius
     }
 
-    /// The smooth minimum at a point [m], over its slope: the distance to its zero set to second order.
+    /// Smooth minimum at a point [m], divided by its slope: the distance to its zero set to second order.
     pub(crate) fn blended(&self, [a, b]: [f32; 2], radius: f32, point: DVec3) -> f32 {
         let h = 1.0 - (a - b).abs() / radius;
         let value = a.min(b) - 0.25 * radius * h * h;

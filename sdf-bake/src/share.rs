@@ -1,4 +1,4 @@
-//! How much of each voxel's own cell a difference of two parts fills: an antialiased label.
+//! Share of each voxel's cell that is in the difference of two parts: an antialiased label.
 
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ fn voxel_share(voxel: IVec3, kept: &Nodes, cut: &Nodes) -> f32 {
     (sum / 8.0) as f32
 }
 
-/// The interpolant at the corners of the half-size cell that starts at `start`.
+/// Values of the interpolant at the corners of the half-size cell that starts at `start`.
 fn part_of_cell(corners: &[f32; 8], start: Vec3) -> [f32; 8] {
     std::array::from_fn(|i| trilinear(corners, start + 0.5 * cell_corner(i).as_vec3()))
 }
@@ -62,7 +62,7 @@ mod tests {
                 q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
             })
         };
-        // The lower slab's top lies exactly in a layer of voxels, where counting voxels is half a layer off.
+        // The lower slab's top lies exactly in a layer of voxels, where counting voxels is wrong by half a layer.
         let (thick, thin) = (slab(0.00413), slab(0.002));
         let share = thick.difference_share(&thin);
         let sum = share.iter().map(|&s| f64::from(s)).sum::<f64>() * thick.voxel.powi(3);

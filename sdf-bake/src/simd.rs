@@ -1,14 +1,14 @@
-//! Loops compiled for the processor's widest lanes.
+//! Loops compiled for the processor's widest SIMD lanes.
 
-/// Result of `work`, compiled for the widest lanes of this processor. The closure must be marked `#[inline(always)]`, as
-/// all that it calls, or its loops are not.
+/// Returns the result of `work`, compiled for the widest lanes of this processor. The closure and all functions that it
+/// calls must be marked `#[inline(always)]`; otherwise their loops are not compiled for these lanes.
 #[inline(always)]
 pub fn in_wide_lanes<R>(work: impl FnMut() -> R) -> R {
     pulp::Arch::new().dispatch(Wide(work))
 }
 
-/// A closure that is called by reference: by value, one that moves nothing is called through a function of its own, which
-/// is compiled for the narrowest lanes.
+/// A closure that is called by reference. A closure that is called by value and moves nothing is called through a
+/// separate function, which is compiled for the narrowest lanes.
 struct Wide<F>(F);
 
 impl<R, F: FnMut() -> R> pulp::NullaryFnOnce for Wide<F> {

@@ -1,12 +1,12 @@
-//! What a voxel near the surface knows of it: the tangent plane at its closest surface point.
+//! Tangent plane of a voxel near the surface, at its closest surface point.
 
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::grid::BrickGrid;
 
-/// Slopes farther than this from 1 do not come from one face.
+/// Greatest deviation of a slope from 1 on a single face.
 const CLEAN: f32 = 0.1;
-/// The same for first differences, which are exact on a plane.
+/// [`CLEAN`] for first differences, which are exact on a plane.
 const CLEAN_PLANE: f32 = 0.005;
 
 /// The tangent plane of the surface at the point closest to a voxel.
@@ -19,8 +19,8 @@ pub(crate) struct Tangent {
 }
 
 impl BrickGrid {
-    /// What a voxel knows of the surface, its foot relative to the voxel, or `None` where its slopes are not those of one
-    /// face. `phi` gives φ [m] at an offset [voxels] from the voxel, up to two along each axis.
+    /// Tangent at a voxel, with its foot relative to the voxel; `None` if its slopes are not those of a single face.
+    /// `phi` gives φ [m] at an offset [voxels] from the voxel, up to two along each axis.
     pub(crate) fn tangent_of(&self, phi: impl Fn(IVec3) -> f32) -> Option<Tangent> {
         let here = phi(IVec3::ZERO);
         let gradient = self.face_gradient(phi)?;
@@ -30,11 +30,11 @@ impl BrickGrid {
         known.then(|| Tangent { foot: -normal * f64::from(here / (self.voxel as f32 * slope)), normal })
     }
 
-    /// Gradient of φ at a voxel [1] that is that of one face even next to an edge, or `None` if that cannot be told.
+    /// Gradient of φ at a voxel [1], that of a single face even next to an edge; `None` if it is ambiguous.
     ///
     /// Along each axis it is taken from the side on which the field is smoother (Harten et al. 1987, essentially
-    /// non-oscillatory). Between two edges no side is smooth, but a face that is plane shows in two neighbours whose
-    /// differences have the length 1.
+    /// non-oscillatory). Between two edges no side is smooth, but a plane face is recognised by two neighbours whose
+    /// differences have length 1.
     fn face_gradient(&self, phi: impl Fn(IVec3) -> f32) -> Option<Vec3> {
         let axes = IVec3::AXES.map(|axis| Slopes::of([-2, -1, 0, 1, 2].map(|i| phi(axis * i)), self.band));
         let voxel = self.voxel as f32;
@@ -52,12 +52,12 @@ impl BrickGrid {
 struct Slopes {
     /// Second order, from the smoother side.
     smooth: f32,
-    /// To the voxel before and the one after.
+    /// First differences to the previous voxel and to the next one.
     sides: [f32; 2],
 }
 
 impl Slopes {
-    /// From five values around a voxel; beyond `band` their bend is not known.
+    /// Slopes from five values around a voxel; beyond `band` second differences are unknown.
     fn of([a, b, c, d, e]: [f32; 5], band: f32) -> Self {
         let known = |value: f32, bend: f32| if value.abs() < band { bend } else { 0.0 };
         let (before, here, after) = (known(a, a - 2.0 * b + c), b - 2.0 * c + d, known(e, c - 2.0 * d + e));

@@ -1,26 +1,26 @@
-//! Union of two fields on one lattice, remembering which body made the surface.
+//! Union of two fields on one lattice, with labels of the body that gives the surface.
 
 use crate::combine::{BLEND_REACH, Combination, Combine, CombineError, LatticeError, inherit};
 use crate::grid::{BRICK_VOXELS, BrickGrid};
 use crate::redistance::contains;
 
 impl BrickGrid {
-    /// The union of this field and `added` as [`BrickGrid::combined_with`] makes it, labelled `id` where `added` is the
-    /// nearer body, and in every voxel whose cell holds some of what `added` brings.
+    /// Unites this field with `added` as [`BrickGrid::combined_with`] does. Label `id` is set where `added` is the
+    /// nearer body, and in every voxel whose cell contains some of the material that `added` contributes.
     ///
-    /// Labels of this grid stay elsewhere. Bricks deep inside `added` are kept, because their label says what
-    /// an opened surface would show.
+    /// Elsewhere this grid's labels stay. Bricks deep inside `added` are kept, because their label is needed if the
+    /// surface reaches them.
     ///
     /// # Errors
-    /// [`LatticeError`] when voxel or band differ.
+    /// [`LatticeError`] if voxel or band differ.
     pub fn united_with(&self, added: &BrickGrid, id: u16) -> Result<BrickGrid, LatticeError> {
         self.labelled_union(added, id, Combine::Union)
     }
 
-    /// As [`BrickGrid::united_with`], with the inner edges filled as by [`Combine::SmoothUnion`] of this radius [m].
+    /// [`BrickGrid::united_with`], with the inner edges filled as by [`Combine::SmoothUnion`] of this radius [m].
     ///
     /// # Errors
-    /// [`CombineError`] when voxel or band differ, or the radius is not 0 to 0.8 bands.
+    /// [`CombineError`] if voxel or band differ, or the radius is not 0 to 0.8 bands.
     pub fn blended_with(&self, added: &BrickGrid, id: u16, radius: f64) -> Result<BrickGrid, CombineError> {
         if !(0.0..=BLEND_REACH * f64::from(self.band)).contains(&radius) {
             return Err(CombineError::Blend { radius, band: self.band });

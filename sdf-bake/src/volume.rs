@@ -1,9 +1,9 @@
 //! Volumes of a part, measured from its field with sub-cell accuracy.
 //!
-//! Each cell that the surface crosses is cut into columns along the axis that the surface faces most; the
-//! trilinear field is linear along a column, so its inside part is exact. The chord of a curved surface
-//! lies inside it, by h²/12 · Δφ on average over a cell; that is taken off the voxel values first, which
-//! makes the volume of a smooth part fourth order in the voxel size.
+//! Each cell that the surface crosses is divided into columns along the axis that the surface faces most; the trilinear
+//! field is linear along a column, so its inside part is exact. The chord of a curved surface lies inside it, by h²/12
+//! · Δφ on average over a cell. This is subtracted from the voxel values first, which makes the volume of a smooth part
+//! fourth order in the voxel size.
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -33,8 +33,8 @@ impl BrickGrid {
         })
     }
 
-    /// Volume inside this part and outside `minus` [m³], for two fields on the same lattice: a bead is what
-    /// the welded part has and the bare one has not. NaN if the voxel sizes differ.
+    /// Volume inside this part and outside `minus` [m³], for two fields on the same lattice. Example: a bead is the
+    /// welded part minus the bare one. NaN if the voxel sizes differ.
     pub fn difference_volume(&self, minus: &BrickGrid) -> f64 {
         if self.voxel != minus.voxel {
             return f64::NAN;
@@ -55,12 +55,12 @@ impl BrickGrid {
         })
     }
 
-    /// Whether both fields are the same in a brick and two voxels around it, on which [`Nodes`] depend.
+    /// True if both fields are equal in a brick and two voxels around it, on which [`Nodes`] depend.
     pub(crate) fn is_alike(&self, other: &BrickGrid, brick: IVec3) -> bool {
         self.equals_around(other, brick, 2)
     }
 
-    /// Sum over all indexed bricks, in the order of the index, of cells that count [m³].
+    /// Sum over all indexed bricks, in index order, of the counted cells [m³].
     fn sum_bricks(&self, low: DVec3, high: DVec3, cells: impl Fn(IVec3, &dyn Fn(usize) -> bool) -> f64 + Sync) -> f64 {
         let of_brick = |brick: IVec3| {
             let counts = |offset: usize| {
@@ -77,7 +77,7 @@ impl BrickGrid {
         per_brick.collect::<Vec<f64>>().iter().fold(0.0, |sum, cells| sum + cells) * self.voxel.powi(3)
     }
 
-    /// The 9³ nodes of a brick's cells, less the mean chord error of the cells around them.
+    /// The 9³ nodes of a brick's cells, minus the mean chord error of the cells around them.
     fn unbiased_nodes(&self, brick: IVec3) -> Nodes {
         Nodes::of(self, brick, 0)
     }
@@ -90,13 +90,13 @@ pub(crate) struct Nodes {
     /// Nodes before the brick's first voxel.
     margin: i32,
     phi: Vec<f32>,
-    /// The field as it is.
+    /// The uncorrected field.
     halo: Halo,
 }
 
 impl Nodes {
-    /// φ [m] at the nodes from `margin` (0 or 1) before the brick to one past it, less the mean chord error of
-    /// the cells around them.
+    /// φ [m] at the nodes from `margin` (0 or 1) before the brick to one past it, minus the mean chord error of the
+    /// cells around them.
     pub(crate) fn of(grid: &BrickGrid, brick: IVec3, margin: i32) -> Self {
         let halo = grid.halo(brick, 2);
         let side = BRICK_SIDE as i32 + 1 + margin;
@@ -107,8 +107,8 @@ impl Nodes {
         Self { side, margin, phi: (0..side * side * side).map(node).collect(), halo }
     }
 
-    /// Whether the field is below another's at a corner of a cell [voxels from the brick's first voxel]. Where it is at
-    /// none it holds nothing that the other does not, although its corners, corrected by its own bend, may say so.
+    /// True if the field is below another's at a corner of a cell [voxels from the brick's first voxel]. If it is not,
+    /// the cell contains no additional material, although its corrected corner values may indicate some.
     pub(crate) fn is_below(&self, other: &Self, cell: IVec3) -> bool {
         (0..8).map(|i| self.halo.at(cell + cell_corner(i))).any(|at| self.halo.phi[at] < other.halo.phi[at])
     }
@@ -122,7 +122,7 @@ impl Nodes {
     }
 }
 
-/// h² Δφ [m] at a voxel; zero where the band's end is next to it.
+/// h² Δφ [m] at a voxel; zero next to the end of the band.
 fn laplacian(halo: &Halo, at: usize, band: f32) -> f32 {
     let mut sum = -6.0 * halo.phi[at];
     for stride in halo.strides() {
@@ -184,7 +184,7 @@ fn facing_axis(values: &[f32; 8]) -> usize {
     (0..3).max_by(|&a, &b| change[a].total_cmp(&change[b])).unwrap_or(2)
 }
 
-/// Interpolant at the two ends of the column along `axis` at (u, v) of the other two axes, in their order.
+/// Interpolant at the two ends of the column along `axis` at (u, v) of the other two axes, in order.
 fn column(values: &[f32; 8], axis: usize, u: f32, v: f32) -> (f32, f32) {
     let (along, first, second) = [(4, 2, 1), (2, 4, 1), (1, 4, 2)][axis];
     let at = |end: usize| {
@@ -195,7 +195,7 @@ fn column(values: &[f32; 8], axis: usize, u: f32, v: f32) -> (f32, f32) {
     (at(0), at(along))
 }
 
-/// Where along a unit column a function linear from `bottom` to `top` is negative: (start, end).
+/// Interval of a unit column, (start, end), in which a function linear from `bottom` to `top` is negative.
 fn negative_span(bottom: f32, top: f32) -> (f64, f64) {
     match (bottom < 0.0, top < 0.0) {
         (true, true) => (0.0, 1.0),

@@ -1,4 +1,4 @@
-//! The part of a field in a box.
+//! Extracts the part of a field in a box.
 
 use glam::{DVec3, IVec3};
 
@@ -6,8 +6,8 @@ use crate::channels::Scalar;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE};
 
 impl BrickGrid {
-    /// The bricks that touch the box from `low` to `high` [m], with their channels. Beyond them everything is outside, so that
-    /// the part is cut off there, without a surface.
+    /// Returns the bricks that touch the box from `low` to `high` [m], with their channels. Everything beyond them is
+    /// outside, so the part is cut off there without a surface.
     pub fn within(&self, low: DVec3, high: DVec3) -> Self {
         let side = self.voxel * BRICK_SIDE as f64;
         let brick = |point: DVec3| (point / side).floor().as_ivec3();
@@ -24,7 +24,7 @@ impl BrickGrid {
         kept
     }
 
-    /// Adds a brick of another field, or its side.
+    /// Copies a brick of another field, or its side.
     fn take_brick(&mut self, from: &Self, brick: IVec3) {
         let slot = from.slot(brick);
         if matches!(slot, OUTSIDE | INSIDE) {

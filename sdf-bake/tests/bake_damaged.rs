@@ -1,4 +1,4 @@
-//! Signs on a gear with holes, turned faces, and as a jittered soup, judged by the undamaged gear.
+//! Compares signs on a gear with holes, with flipped faces, and as a jittered soup with those of the undamaged gear.
 
 #[path = "common/noise.rs"]
 mod noise;
@@ -11,7 +11,7 @@ use sdf_bake::clean::clean;
 use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
 
-/// Off the lattice, so that no voxel lies in the gear's flat sides, where either sign is right.
+/// A gear off the lattice, so that no voxel lies in its flat sides, where either sign is correct.
 fn gear() -> Mesh {
     let mut mesh = parts::gear(360, 12);
     mesh.positions.iter_mut().for_each(|p| *p += DVec3::new(1.3e-4, 2.1e-4, 1.7e-4));
@@ -19,11 +19,11 @@ fn gear() -> Mesh {
 }
 
 fn field(mesh: &Mesh, sign: SignChoice) -> BrickGrid {
-    // The damage must not move the lattice, so the voxel is the gear's.
+    // The damage must not move the lattice, so the voxel size is the gear's.
     bake(mesh, &BakeOptions { sign, ..BakeOptions::with_voxel(0.08 / 128.0) }).unwrap().0
 }
 
-/// Share of the undamaged band whose sign the damaged mesh gets wrong.
+/// Share of the undamaged band in which the damaged mesh gives the wrong sign.
 fn wrong_share(damage: &str, damaged: &Mesh, sign: SignChoice) -> f64 {
     let (right, other) = (field(&gear(), SignChoice::Auto), field(damaged, sign));
     let (mut wrong, mut all) = (0, 0);
@@ -37,7 +37,7 @@ fn wrong_share(damage: &str, damaged: &Mesh, sign: SignChoice) -> f64 {
     share
 }
 
-/// Cuts out patches of a radius [m] until 5 % of the faces are gone.
+/// Cuts out patches of a radius [m] until 5 % of the faces are removed.
 fn with_holes(mut mesh: Mesh, radius: f64) -> Mesh {
     let (before, mut seed) = (mesh.triangles.len(), 0);
     while mesh.triangles.len() * 100 > before * 95 {
@@ -55,7 +55,7 @@ fn with_turned_faces(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Each face on its own vertices, moved by up to 1e-5 of the gear's size on each axis.
+/// Gives each face its own vertices, moved by up to 1e-5 of the gear's size on each axis.
 fn as_soup(mesh: &Mesh) -> Mesh {
     let jitter = |i: usize| 0.08 * 1e-5 * (2.0 * noise(i as u64) - 1.0);
     let corners = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).enumerate();
@@ -65,7 +65,7 @@ fn as_soup(mesh: &Mesh) -> Mesh {
     Mesh { positions, triangles }
 }
 
-/// Patches continue the surface over edges of the gear too; where they do, nothing is a guess and nothing refused.
+/// Patches also continue the surface over edges of the gear; there the sign is unambiguous and nothing is rejected.
 #[test]
 fn holes_nearly_leave_the_sign_alone() {
     for (radius, limit) in [(0.0008, 1e-4), (0.0025, 5e-4)] {

@@ -1,4 +1,4 @@
-//! Distance and sign in the band, held against f64 brute force, summed solid angles and parry3d.
+//! Compares distance and sign in the band with f64 brute force, summed solid angles and parry3d.
 
 #[path = "common/field.rs"]
 mod field;
@@ -25,7 +25,7 @@ fn bake_at(mesh: &Mesh, resolution: f64) -> BrickGrid {
     grid
 }
 
-/// Largest error of |φ| [voxels] over every `step`-th voxel of the band.
+/// Greatest error of |φ| [voxels] over every `step`-th voxel of the band.
 fn worst_distance(mesh: &Mesh, grid: &BrickGrid, step: usize) -> f64 {
     let query = MeshQuery::new(mesh);
     let error = |(point, phi): (glam::DVec3, f64)| (query.closest(point).distance - phi.abs()).abs() / grid.voxel;
@@ -48,7 +48,7 @@ fn slivers_have_their_exact_distance() {
     assert!(worst < 2e-5, "{worst} voxels");
 }
 
-/// Each face on its own vertices, moved by up to 1e-5 of the size on each axis.
+/// Gives each face its own vertices, moved by up to 1e-5 of the size on each axis.
 fn as_soup(mesh: &Mesh) -> Mesh {
     let reach = 1e-5 * mesh.diagonal();
     let jitter = |i: usize| reach * (2.0 * noise(i as u64) - 1.0);
@@ -100,7 +100,7 @@ fn parry_agrees_on_distance_and_sign() {
     let mut compared = 0;
     for (point, phi) in band_points(&grid, 7) {
         let other = f64::from(shape.distance_to_local_point(narrow(&point), false));
-        // parry works in f32, and its points are rounded to f32 too.
+        // parry uses f32, and its points are rounded to f32 too.
         let close = (phi - other).abs() < 2e-4 * grid.voxel;
         assert!(close, "φ {phi}, parry {other}, at {point}");
         compared += 1;

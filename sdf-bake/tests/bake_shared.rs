@@ -16,16 +16,16 @@ use sdf_bake::{BakeOptions, Mesh, SignChoice, bake};
 
 const RESOLUTION: f64 = 96.0;
 
-/// Voxels whose sign is held against the sum over all triangles, for each mesh.
+/// Number of voxels per mesh whose sign is compared with the sum over all triangles.
 const SIGNS: usize = 160;
 
-/// Voxels whose distance is held against the closest point, for each mesh.
+/// Number of voxels per mesh whose distance is compared with the closest point.
 const DISTANCES: usize = 4000;
 
-/// Closer to the surface than this [voxels], either sign is right.
+/// Distance from the surface below which either sign is correct [voxels].
 const ON_SURFACE: f64 = 1e-4;
 
-/// The shared meshes in the order of their names; without the folder, says loudly what is not tested.
+/// The shared meshes in the order of their names; without the folder, prints what is not tested.
 fn shared_meshes() -> Vec<PathBuf> {
     let root = match std::env::var_os("ROBOFIN_SHARED") {
         Some(root) => PathBuf::from(root),
@@ -47,7 +47,7 @@ fn shared_meshes() -> Vec<PathBuf> {
     paths
 }
 
-/// Balls within the union that are searched for a point outside, and directions for each.
+/// Number of balls within the union that are searched for a point outside, and of directions for each.
 const BALLS: usize = 24;
 
 struct Findings {
@@ -55,7 +55,7 @@ struct Findings {
     /// Largest error of the distance [voxels].
     error: f64,
     inner_triangles: usize,
-    /// Points outside within a ball that φ says is all inside.
+    /// Number of points outside within balls that are entirely inside according to φ.
     holes_in_balls: usize,
 }
 
@@ -69,7 +69,7 @@ fn check(mesh: &Mesh) -> Findings {
     let query = MeshQuery::new(mesh);
     let error = |(point, phi): &(DVec3, f64)| {
         let error = (query.closest(*point).distance - phi.abs()) / voxel;
-        // The surface of a union is at least as far as the nearest triangle, which may be a wall in it.
+        // The surface of a union is at least as far as the nearest triangle, which may be a wall inside it.
         if united && *phi < 0.0 { error.max(0.0) } else { error.abs() }
     };
     let is_wrong = |(point, phi): &&(DVec3, f64)| {

@@ -1,5 +1,5 @@
-//! Signs of closed solids wherever they lie on the lattice: no voxel is wrong that is off the surface by more than its
-//! rounding.
+//! Signs of closed solids in any position on the lattice: no voxel is wrong if its distance from the surface exceeds
+//! the rounding error.
 
 #[path = "common/noise.rs"]
 mod noise;
@@ -16,32 +16,32 @@ use solids::{Solid, cuboid, twelve};
 
 const VOXEL: f64 = 5e-4;
 
-/// Rounding of the surface [voxels]: corners are 20 voxels from the point they turn about, which are known to 4e-15
-/// voxels each; formula, turn and crossing add some ten such errors.
+/// Rounding error of the surface [voxels]: corners are 20 voxels from the centre of rotation and known to 4e-15 voxels
+/// each; formula, rotation and crossing add about ten such errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Rounding of distances [voxels].
+/// Rounding error of distances [voxels].
 const DISTANCE_ROUNDING: f64 = 1e-6;
 
-/// A turn or mirroring about a lattice point [voxels], and what is added to each coordinate.
+/// A rotation or mirroring about a lattice point [voxels], and a perturbation of each coordinate.
 struct Motion {
     turn: DMat3,
     about: DVec3,
     ulps: Ulps,
 }
 
-/// Last places by which each coordinate moves, up, down or not at all.
+/// Units in the last place by which each coordinate moves, up, down or not at all.
 #[derive(Clone, Copy)]
 enum Ulps {
     None,
-    /// Of the coordinate itself: of 0 it is 5e-324.
+    /// Units of the coordinate itself; for 0 it is 5e-324.
     Own(u64),
-    /// Of the part's size.
+    /// Units of the part's size.
     OfSize(u64),
 }
 
 impl Motion {
-    /// A mesh in voxels, moved, in metres.
+    /// Moves a mesh given in voxels, and converts it to metres.
     fn of(&self, mesh: &Mesh) -> Mesh {
         let turned = |p: DVec3| (self.about + self.turn * (p - self.about)) * VOXEL;
         let moved = |(i, p): (usize, &DVec3)| {
@@ -61,7 +61,7 @@ impl Motion {
         Mesh { positions: mesh.positions.iter().enumerate().map(moved).collect(), triangles }
     }
 
-    /// Voxels with the wrong sign, of all in the box of the part and two around it, and an example.
+    /// Number of voxels with the wrong sign in the part's box extended by two voxels, and an example.
     fn wrong(&self, solid: &Solid) -> (usize, Option<IVec3>) {
         let mesh = self.of(&solid.mesh);
         let (low, high) = mesh.bounds().unwrap();
@@ -100,7 +100,7 @@ fn assert_none_wrong(motions: &[Motion]) {
     }
 }
 
-/// The 48 ways to lay three axes on three axes.
+/// The 48 signed permutations of the axes.
 fn signed_permutations() -> Vec<DMat3> {
     let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let sign = |bits: usize, axis: usize| if bits >> axis & 1 == 1 { -1.0 } else { 1.0 };
@@ -112,14 +112,14 @@ fn signed_permutations() -> Vec<DMat3> {
     orders.into_iter().flat_map(of_order).collect()
 }
 
-/// Any turn, every fourth time a tilt of 1 to 1e-18 rad from an axis or a quarter turn.
+/// A random rotation; every fourth is a tilt of 1 to 1e-18 rad from an axis or a quarter turn.
 fn turn(seed: u64) -> DMat3 {
     let [a, b, c] = [0, 1, 2].map(|i| noise(3 * seed + i + 1_000_000));
     if seed.is_multiple_of(4) {
         let angle = 10f64.powf(-18.0 * a) + FRAC_PI_2 * (4.0 * b).floor();
         return DMat3::from_axis_angle(DVec3::AXES[(3.0 * c) as usize], angle);
     }
-    // Shoemake 1992: evenly spread.
+    // Uniformly distributed rotation (Shoemake 1992).
     let ((s, t), (u, v)) = ((TAU * b).sin_cos(), (TAU * c).sin_cos());
     let (r, q) = ((1.0 - a).sqrt(), a.sqrt());
     DMat3::from_quat(DQuat::from_xyzw(r * s, r * t, q * u, q * v).normalize())
@@ -150,7 +150,7 @@ fn no_sign_is_wrong_after_a_thousand_turns_about_lattice_points() {
     assert_none_wrong(&motions);
 }
 
-/// Voxels of the grid within a box [m], each with its place.
+/// Number of inside voxels within a box [m].
 fn inside_count(grid: &BrickGrid, low: DVec3, high: DVec3) -> usize {
     let (low, high) = ((low / VOXEL).round().as_ivec3() - 4, (high / VOXEL).round().as_ivec3() + 4);
     voxels(low, high).filter(|&voxel| grid.phi_at(voxel) < 0.0).count()
@@ -167,7 +167,7 @@ fn a_box_turned_by_exact_matrices_keeps_its_inside() {
         let mesh = Motion { turn, about: DVec3::ZERO, ulps: Ulps::None }.of(&mesh);
         let (low, high) = mesh.bounds().unwrap();
         let grid = bake(&mesh, &BakeOptions::with_voxel(VOXEL)).unwrap().0;
-        // Its sides go through lattice points, which may count on either side.
+        // Its sides pass through lattice points, which may count on either side.
         let found = inside_count(&grid, low, high);
         assert!((59 * 59 * 39..=61 * 61 * 41).contains(&found), "{name}: {found} voxels inside");
         assert!((grid.volume() / 1.8e-5 - 1.0).abs() < 1e-3, "{name}: {} m³", grid.volume());

@@ -1,4 +1,4 @@
-//! A bead on a plate: the union's volume against its closed form, and what a thousand redistancings leave of it.
+//! A bead on a plate: compares the union's volume with its closed form, also after a thousand redistancings.
 
 #[path = "common/parts.rs"]
 mod parts;

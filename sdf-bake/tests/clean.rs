@@ -1,4 +1,4 @@
-//! Small meshes with one flaw each, and exactly what cleaning counts.
+//! Small meshes with one flaw each, and the exact counts of cleaning.
 
 mod common;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use sdf_bake::Mesh;
 use sdf_bake::clean::{CleanError, CleanReport, clean};
 
-/// A clean cube's report, to be changed where a test expects something else.
+/// Report of a clean cube, to be modified by tests.
 fn cube_report() -> CleanReport {
     CleanReport {
         vertices_before: 8,
@@ -31,7 +31,7 @@ fn cleaned(mesh: Mesh) -> (Mesh, CleanReport) {
     clean(mesh).expect("it can be cleaned")
 }
 
-/// Two meshes in one, nothing merged.
+/// Two meshes in one, without merging.
 fn both(mut a: Mesh, b: &Mesh) -> Mesh {
     a.append(b);
     a
@@ -187,7 +187,7 @@ fn a_cavity_stays_a_cavity() {
     let hollow = both(outer.clone(), &inside_out(inner.clone()));
     assert_eq!(volume_and_flips(hollow.clone()), (26.0, 0));
     assert_eq!(volume_and_flips(inside_out(hollow)), (26.0, 2));
-    // A solid within a solid is not a cavity; it is left as it is.
+    // A solid within a solid is not a cavity; it stays unchanged.
     assert_eq!(volume_and_flips(both(outer.clone(), &inner)), (28.0, 0));
     // Order does not matter.
     assert_eq!(volume_and_flips(both(inner, &inside_out(outer))), (26.0, 2));

@@ -1,4 +1,4 @@
-//! Union, difference, intersection and smooth union against closed forms.
+//! Compares union, difference, intersection and smooth union with closed forms.
 
 use std::f64::consts::PI;
 
@@ -30,11 +30,11 @@ impl Ball {
     }
 }
 
-/// Two balls whose surfaces cross at about 70 degrees.
+/// Two balls whose surfaces cross at about 70°.
 const BIG: Ball = Ball { centre: DVec3::new(-0.0031, 0.0004, 0.0007), radius: 0.010 };
 const SMALL: Ball = Ball { centre: DVec3::new(0.0067, -0.0011, 0.0016), radius: 0.0061 };
 
-/// Volume of the lens that two balls share [m³].
+/// Volume of the lens in which two balls overlap [m³].
 fn lens(a: Ball, b: Ball) -> f64 {
     let (d, r, s) = (a.centre.distance(b.centre), a.radius, b.radius);
     PI * (r + s - d).powi(2) * (d * d + 2.0 * d * (r + s) - 3.0 * (r - s).powi(2)) / (12.0 * d)
@@ -50,7 +50,8 @@ fn to_seam(p: DVec3, a: Ball, b: Ball) -> f64 {
     (height - along).hypot(out - radius)
 }
 
-/// Distance [m] from a point inside the union to its surface: a foot on one sphere outside the other, or the seam.
+/// Distance [m] from a point inside the union to its surface: to a foot on one sphere outside the other, or to the
+/// seam.
 fn depth_in_union(p: DVec3, a: Ball, b: Ball) -> f64 {
     let foot_distance = |on: Ball, other: Ball| {
         let foot = on.centre + (p - on.centre).normalize() * on.radius;
@@ -120,7 +121,7 @@ fn surfaces_that_cross_at_a_shallow_angle_give_distances_too() {
     assert!(worst < 0.1, "{worst}");
 }
 
-/// The complement of a union is a difference with the complement: the same numbers with the other sign.
+/// The complement of a union is a difference with the complement: equal numbers with opposite signs.
 #[test]
 fn a_difference_is_exact_outside_where_the_cut_is_clear() {
     let cut = BIG.field(4.0).combined_with(&SMALL.field(4.0), Combine::Difference).unwrap();
@@ -145,7 +146,7 @@ fn inside_and_outside_are_known_where_no_brick_is() {
     assert_eq!(filled.slot(middle + IVec3::X * 100), sdf_bake::grid::OUTSIDE);
 }
 
-/// A round post on a plate, both far larger than the blend.
+/// A round post on a plate, both much larger than the blend.
 fn post_and_plate(band: f64) -> (BrickGrid, BrickGrid, f64) {
     let radius = 0.0043;
     let (half, top) = (DVec3::new(0.009, 0.009, 0.002), DVec3::new(radius, radius, 0.008));
@@ -177,7 +178,7 @@ fn a_smooth_union_adds_its_fillet_and_nothing_else() {
         let voxel = sharp.voxel_of(place);
         assert!(!far(sharp.position(voxel)) || smooth.phi_at(voxel) == phi, "far from the edge at {voxel}");
     }
-    // In the fillet φ is a distance: along its normal it falls by the way gone.
+    // In the fillet φ is a distance: along its normal it falls by the distance travelled.
     let edge = DVec3::new(post_radius, 0.0, 0.002);
     let along = DVec3::new(1.0, 0.0, 1.0).normalize();
     let surface = (0..2000).map(|i| edge + along * (f64::from(i) * 1e-6)).find(|&p| smooth.sample(p) > 0.0).unwrap();

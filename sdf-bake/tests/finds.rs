@@ -1,11 +1,11 @@
-//! Inputs that once took minutes, memory or a panic. Files found by fuzzing are kept in `finds/`.
+//! Inputs that once caused long runs, high memory use or a panic. Files found by fuzzing are stored in `finds/`.
 
 use glam::DVec3;
 use sdf_bake::Mesh;
 use sdf_bake::clean::clean;
 use sdf_bake::read::{Format, UnitChoice, parse_mesh};
 
-/// A star of many corners, as one polygon.
+/// A star with many corners, as one polygon.
 fn star(corners: usize) -> String {
     let mut text = String::new();
     for i in 0..corners {

@@ -22,7 +22,7 @@ fn waves(p: DVec2) -> f64 {
     0.3e-3 * (p.x * 900.0).sin() * (p.y * 700.0).cos()
 }
 
-/// Height along z at which φ vanishes over a lattice point, by the cubic through the four voxels around it.
+/// Height along z at which φ vanishes above a lattice point, by the cubic through the four voxels around it.
 fn crossing(grid: &BrickGrid, i: i32, j: i32) -> Option<f64> {
     let top = (grid.origin.z + grid.dims.z) * 8 - 2;
     let phi = |k: i32| f64::from(grid.phi_at(IVec3::new(i, j, k)));
@@ -42,7 +42,7 @@ fn crossing(grid: &BrickGrid, i: i32, j: i32) -> Option<f64> {
     Some((f64::from(k) + low) * grid.voxel)
 }
 
-/// Largest difference [m] between the crossing and the surface over the map's lattice points.
+/// Greatest difference [m] between the crossing and the surface over the map's lattice points.
 fn worst(voxel: f64, surface: fn(DVec2) -> f64) -> f64 {
     let map = HeightMap::from_function(pixels(), surface);
     let (grid, report) = BrickGrid::from_heights(&map, &SlabOptions::with_voxel(voxel)).unwrap();
@@ -71,7 +71,7 @@ fn the_surface_lies_at_the_heights_of_the_pixels() {
     }
 }
 
-/// Share of voxels in the band whose gradient's length is off by more than 2 %, away from kinks.
+/// Share of voxels in the band whose gradient length is wrong by more than 2 %, away from kinks.
 #[test]
 fn phi_is_a_distance_within_the_band() {
     let map = HeightMap::from_function(pixels(), bead);
@@ -144,7 +144,7 @@ fn voxels_of_a_hundred_pixels_cost_about_what_the_map_does() {
     let ((_, ten), (grid, hundred)) = (timed(10.0), timed(100.0));
     let voxel = grid.voxel;
     println!("{ten:.2} s with voxels of 10 pixels, {hundred:.2} s with voxels of 100");
-    // Smoothing every pixel of the margin adds up four hundred times as many products.
+    // Smoothing every pixel of the margin would sum four hundred times as many products.
     assert!(hundred < 40.0 * ten, "{hundred} s, and {ten} s with voxels of 10 pixels");
     for (i, j) in [(1, 0), (3, 2), (-10, -8), (15, 12)] {
         let place = DVec2::new(f64::from(i), f64::from(j)) * voxel;
@@ -197,10 +197,10 @@ fn heights_too_far_apart_for_the_voxel_are_refused_before_walls_are_made_of_them
     for word in ["-9999.0 mm", "1.0 mm", "voxel of 0.05 mm", "leave cells without a height empty"] {
         assert!(error.to_string().contains(word), "{error}");
     }
-    // Salt of a metre on every other pixel.
+    // A step of one metre at every other pixel.
     let salt = HeightMap::from_function(pixels, |p| f64::from((p.x / 0.25e-3) as i32 % 2) - 0.5);
     assert!(BrickGrid::from_heights(&salt, &options).is_err());
-    // A bead with steep flanks stays.
+    // A bead with steep flanks is accepted.
     let bead = |p: DVec2| (2e-3 - 3.0 * (p.y - 5e-3).abs()).max(0.0);
     let options = SlabOptions::with_voxel(0.25e-3);
     assert!(BrickGrid::from_heights(&HeightMap::from_function(pixels, bead), &options).is_ok());

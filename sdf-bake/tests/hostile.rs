@@ -26,7 +26,7 @@ fn valid_files() -> Vec<(Format, Vec<u8>)> {
     files
 }
 
-/// A change of a file; places are fractions of its length.
+/// An edit of a file; positions are fractions of its length.
 #[derive(Clone, Debug)]
 enum Edit {
     Set(f64, u8),

@@ -1,4 +1,4 @@
-//! What a field takes beside its bricks: little, also where bricks are few in a large box.
+//! Memory of a field besides its bricks: small, even for few bricks in a large box.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use sdf_bake::nvdb::{Codec, read, write_field};
 use sdf_bake::read::{UnitChoice, read_mesh};
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, SignChoice, bake};
 
-/// Bytes of a grid over those of its bricks' φ.
+/// Bytes of a grid divided by those of its bricks' φ.
 fn ratio(grid: &BrickGrid) -> f64 {
     grid.bytes() as f64 / (size_of::<f32>() * BRICK_VOXELS * grid.brick_count()) as f64
 }
@@ -55,7 +55,7 @@ fn frame(diameter: f64) -> Mesh {
 
 #[test]
 fn the_index_of_a_thin_wire_takes_less_than_its_bricks() {
-    // Parts of the box's length: a wire's diameter, and a voxel.
+    // Ratios of the box's length to a wire's diameter, and to a voxel.
     for (diameter, resolution) in [(50.0, 256.0), (200.0, 1024.0), (500.0, 1024.0), (1000.0, 2048.0)] {
         for (name, mesh) in [("wire", diagonal(0.1 / diameter)), ("frame", frame(0.1 / diameter))] {
             let grid = bake(&mesh, &BakeOptions::with_voxel(0.1 / resolution)).unwrap().0;
@@ -74,7 +74,7 @@ fn a_thin_wire_comes_back_from_a_file() {
     assert_eq!((&back.bricks, &back.phi, slots(&back)), (&grid.bricks, &grid.phi, slots(&grid)));
 }
 
-/// The shared meshes in the order of their names; without the folder, says loudly what is not tested.
+/// The shared meshes in the order of their names; without the folder, prints what is not tested.
 fn shared_meshes() -> Vec<PathBuf> {
     let root = match std::env::var_os("ROBOFIN_SHARED") {
         Some(root) => PathBuf::from(root),

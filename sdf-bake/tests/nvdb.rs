@@ -1,4 +1,4 @@
-//! NanoVDB files: round trips, the layout byte by byte, and statistics against a plain recount.
+//! NanoVDB files: round trips, the layout byte by byte, and statistics compared with a plain recount.
 
 use glam::{DVec3, IVec3};
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, voxel_at};
@@ -34,7 +34,7 @@ fn written(grid: &BrickGrid, dose: &[f32], codec: Codec) -> Vec<u8> {
     write(&grids, codec).unwrap()
 }
 
-/// The same voxels everywhere, whatever box the index spans.
+/// Checks that all voxels are equal, whatever box the index spans.
 fn assert_same_field(a: &BrickGrid, b: &BrickGrid) {
     assert_eq!(a.voxel.to_bits(), b.voxel.to_bits());
     assert_eq!(a.band.to_bits(), b.band.to_bits());
@@ -144,7 +144,7 @@ fn boxes_and_counts_are_those_of_the_active_voxels() {
     assert_eq!(file.grids[2].class, GridClass::FogVolume);
 }
 
-/// `N` bytes at a place in the file.
+/// `N` bytes at an offset in the file.
 fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     bytes[at..at + N].try_into().unwrap()
 }
@@ -158,7 +158,7 @@ fn u64_at(bytes: &[u8], at: usize) -> usize {
 }
 
 const VERSION: [u8; 4] = (32 << 21 | 4 << 10 | 2u32).to_le_bytes();
-/// File header, one table entry, the name `phi` and its zero.
+/// Offset of the payload: file header, one table entry, the name `phi` and its zero.
 const PAYLOAD: usize = 16 + 176 + 4;
 
 #[test]
@@ -195,7 +195,7 @@ fn a_grid_is_laid_out_as_in_version_32_4() {
     assert_eq!(u64_at(tree, 24), 64, "the root follows the tree");
     assert_eq!(tree.len() - first_leaf, 2144 * grid.brick_count());
     assert_eq!(f32_at(root, 28), grid.band);
-    // A leaf's values begin 96 bytes into it, in the brick's own order.
+    // A leaf's values start 96 bytes into it, in the brick's own order.
     let leaf = &tree[first_leaf..first_leaf + 2144];
     let voxel = IVec3::from_array([0, 4, 8].map(|at| i32::from_le_bytes(field(leaf, at))));
     let slot = grid.slot(voxel >> 3) as usize;
@@ -213,13 +213,13 @@ fn the_roots_statistics_are_those_of_the_active_values() {
     let root = &bytes[PAYLOAD + 736..];
     let extreme = |pick: fn(f64, f64) -> f64| active.iter().copied().reduce(pick).unwrap() as f32;
     assert_eq!((f32_at(root, 32), f32_at(root, 36)), (extreme(f64::min), extreme(f64::max)));
-    // One unit in the last place of an f32 of the band's size.
+    // Tolerance: one unit in the last place of an f32 of the band's size.
     assert!((f64::from(f32_at(root, 40)) - mean).abs() < 1e-10);
     assert!((f64::from(f32_at(root, 44)) - variance.sqrt()).abs() < 1e-10);
 }
 
-/// The file behind this number was opened by the programs in `docs/nanovdb.md`. If it changes on purpose,
-/// open it there again.
+/// The file with this hash was opened by the programs in `docs/nanovdb.md`. If it changes on purpose, open it with them
+/// again.
 #[test]
 fn the_bytes_are_those_that_other_programs_accepted() {
     let (grid, dose) = ball(20.0);

@@ -1,4 +1,4 @@
-//! Hostile `.nvdb` bytes: grids or a named error, never a panic, never more memory than the file can need.
+//! Hostile `.nvdb` bytes: grids or a named error, never a panic, never more memory than the file can require.
 
 use glam::{DVec3, IVec3};
 use proptest::prelude::*;
@@ -26,7 +26,7 @@ fn file(codec: Codec) -> Vec<u8> {
         .unwrap()
 }
 
-/// Header, two entries of 176 bytes, two names with their zeros.
+/// Offset of the first payload: header, two entries of 176 bytes, two names with their zeros.
 const PHI: usize = 16 + 2 * 176 + 4 + 5;
 const TREE: usize = PHI + 672;
 const ROOT: usize = PHI + 736;
@@ -37,7 +37,7 @@ fn patched(at: usize, value: &[u8]) -> Result<sdf_bake::nvdb::NvdbFile, NvdbErro
     read(&bytes)
 }
 
-/// Reads, and follows what was read to the bricks.
+/// Reads the bytes, and converts what was read to bricks.
 fn survive(bytes: &[u8]) {
     if let Ok(file) = read(bytes) {
         for grid in &file.grids {
@@ -101,7 +101,7 @@ fn offsets_and_counts_out_of_range_are_named() {
     says(ROOT + 96, &file(Codec::None)[ROOT + 64..ROOT + 72], "two root entries");
 }
 
-/// Every entry of an inner node pointing at one child would be 32768 × 4096 visits of a leaf.
+/// If every entry of an inner node referred to one child, a leaf would be visited 32768 × 4096 times.
 #[test]
 fn shared_children_do_not_multiply() {
     let mut bytes = file(Codec::None);
@@ -170,7 +170,7 @@ proptest! {
 
     #[test]
     fn random_changes_are_survived(changes in prop::collection::vec((0.0..1.0f64, any::<u8>()), 1..20)) {
-        // The heads are a thousandth of the file, so half of the changes aim at them.
+        // The heads are a thousandth of the file, so half of the changes are made in them.
         let mut bytes = file(Codec::None);
         for (i, (place, value)) in changes.into_iter().enumerate() {
             let reach = if i % 2 == 0 { ROOT + 128 } else { bytes.len() };

@@ -1,4 +1,4 @@
-//! What holds of every baked field, on random convex bodies, boxes and balls in random positions.
+//! Properties of every baked field, on random convex bodies, boxes and balls in random positions.
 
 #[path = "common/field.rs"]
 mod field;
@@ -13,11 +13,11 @@ use proptest::prelude::*;
 use sdf_bake::grid::{BRICK_VOXELS, voxel_at};
 use sdf_bake::{BakeError, BakeOptions, BrickGrid, Mesh, bake};
 
-/// Error of |φ| in the band [voxels].
+/// Tolerance of |φ| in the band [voxels].
 const DISTANCE_TOLERANCE: f64 = 2e-5;
-/// Closer to the surface than this [voxels], either sign is right.
+/// Distance from the surface below which either sign is correct [voxels].
 const ON_SURFACE: f64 = 1e-4;
-/// Voxels of the band that are held against brute force, for each body.
+/// Number of voxels of the band per body that are compared with brute force.
 const SAMPLES: usize = 300;
 
 /// Triangles of a hull, with outward normals.
@@ -29,7 +29,7 @@ fn hull(points: &[DVec3]) -> Mesh {
 }
 
 fn unit_vector() -> impl Strategy<Value = DVec3> {
-    // Archimedes: heights on a sphere are evenly spread.
+    // Archimedes: heights on a sphere are uniformly distributed.
     (-1.0..1.0f64, 0.0..TAU).prop_map(|(z, angle)| {
         let radius = (1.0 - z * z).sqrt();
         DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
@@ -50,7 +50,7 @@ fn sign(bit: i32) -> f64 {
     f64::from(2 * (bit & 1) - 1)
 }
 
-/// Evenly spread points of the unit sphere (Fibonacci spiral).
+/// Uniformly distributed points on the unit sphere (Fibonacci spiral).
 fn spiral(i: usize, count: usize) -> DVec3 {
     let z = 1.0 - (2 * i + 1) as f64 / count as f64;
     let (sine, cosine) = (TAU * 0.618_033_988_749_895 * i as f64).sin_cos();
@@ -63,7 +63,7 @@ fn moved(mut mesh: Mesh, motion: impl Fn(DVec3) -> DVec3) -> Mesh {
     mesh
 }
 
-/// A body somewhere, and a voxel [m] that it is not thinner than.
+/// A body at a random pose, and a voxel [m] not larger than its thickness.
 fn body_and_voxel() -> impl Strategy<Value = (Mesh, f64)> {
     let place = (unit_vector(), 0.0..TAU, prop::array::uniform3(-0.2..0.2f64));
     let posed = (body(), place, 6.0..40.0f64).prop_map(|(mesh, (axis, angle, shift), across)| {
@@ -104,7 +104,7 @@ fn bits(grid: &BrickGrid) -> Vec<u32> {
     grid.phi.iter().map(|phi| phi.to_bits()).collect()
 }
 
-/// Largest |φ(a) − φ(b)| of neighbours in the lattice [voxels].
+/// Greatest |φ(a) − φ(b)| of neighbours in the lattice [voxels].
 fn steepest(grid: &BrickGrid) -> f64 {
     let mut steepest: f64 = 0.0;
     for (at, &phi) in grid.phi.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Every format gives the same part, and what is wrong with a file is said.
+//! Every format gives the same part, and faults of a file are reported.
 
 mod common;
 
@@ -73,7 +73,7 @@ fn a_concave_face_is_not_folded() {
 
 #[test]
 fn bent_quads_make_the_same_mesh_whatever_corner_they_start_at_and_are_reported() {
-    // A cube with one corner lifted: three of its faces are bent.
+    // A cube with one corner lifted: three of its faces are nonplanar.
     let mut positions = cube(DVec3::ZERO, 10.0).positions;
     positions[7] += DVec3::new(0.3, 0.4, 1.0);
     let vertices: String = positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
@@ -82,7 +82,7 @@ fn bent_quads_make_the_same_mesh_whatever_corner_they_start_at_and_are_reported(
         let faces: String = QUADS.iter().map(|quad| format!("f{}\n", face(quad))).collect();
         parse(format!("{vertices}{faces}"), Format::Obj).expect("a cube")
     };
-    // The order of the vertices is that of their first use.
+    // Vertices are in the order of their first use.
     let corners = |file: &MeshFile| (0..file.mesh.triangles.len()).map(|t| file.mesh.corners(t)).collect::<Vec<_>>();
     let first = from(0);
     assert_eq!(first.mesh.triangles.len(), 3 * 2 + 3 * 4);
@@ -110,7 +110,7 @@ fn gltf_strips_fans_soups_and_sparse_accessors_are_read() {
     let square = [(0., 0.), (1., 0.), (0., 1.), (1., 1.)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let normals = |mode: u32, positions: &[DVec3]| {
         let json = gltf_json(positions.len(), 0, "", &format!(r#","mode":{mode}"#), "");
-        // An accessor of no elements is not valid: keep the first only.
+        // An accessor without elements is invalid: keep the first only.
         let json = json
             .replace(r#"{"bufferView":1,"componentType":5123,"count":0,"type":"SCALAR"}"#, "")
             .replace("},\n]", "}]");

@@ -1,5 +1,5 @@
-//! A surface that recedes everywhere at the same speed, in small steps with bricks opened and distances
-//! renewed after each, against the volumes of the shrunk solids.
+//! A surface that recedes everywhere at the same speed, in small steps with bricks opened and φ redistanced after each;
+//! compared with the volumes of the shrunk solids.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ const VOXEL: f64 = 0.4e-3;
 const RECESSION: f64 = 1.5e-3;
 const STEPS: usize = 15;
 
-/// Relative error of the volume after the surface receded; prints it.
+/// Relative error of the volume after recession; prints it.
 fn recede(name: &str, half: DVec3, distance: impl Fn(DVec3) -> f64 + Sync, exact: f64) -> f64 {
     let mut grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, distance);
     for _ in 0..STEPS {
@@ -27,7 +27,7 @@ fn recede(name: &str, half: DVec3, distance: impl Fn(DVec3) -> f64 + Sync, exact
     error.abs()
 }
 
-/// Opens what is inside around each brick.
+/// Opens the inside bricks around each brick.
 fn open_neighbours(grid: &mut BrickGrid) {
     for brick in grid.bricks.clone() {
         for i in 0..27 {

@@ -1,4 +1,4 @@
-//! All shared meshes are read and cleaned, and their counts held against those of `SOURCES.md`, which come from another
+//! Reads and cleans all shared meshes, and compares their counts with those of `SOURCES.md`, which come from another
 //! program.
 
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use sdf_bake::Mesh;
 use sdf_bake::clean::{EdgeMap, clean};
 use sdf_bake::read::{MeshFile, UnitChoice, read_mesh};
 
-/// The folder of shared meshes; without it, says loudly what is not tested.
+/// The folder of shared meshes; without it, prints what is not tested.
 fn shared_meshes(what: &str) -> Option<PathBuf> {
     let root = match std::env::var_os("ROBOFIN_SHARED") {
         Some(root) => PathBuf::from(root),
@@ -58,7 +58,7 @@ fn table(folder: &Path) -> Vec<(String, Row, DVec3)> {
     .collect()
 }
 
-/// Counts as `SOURCES.md` made them: positions rounded to 1e-8 file units are one vertex, no face is dropped.
+/// Counts by the method of `SOURCES.md`: positions rounded to 1e-8 file units are one vertex, and no face is dropped.
 fn count(mesh: &Mesh, unit: f64) -> Row {
     let mut at = HashMap::new();
     let mut merged = Mesh::default();
@@ -161,7 +161,7 @@ fn the_same_part_in_metres_and_in_millimetres_comes_out_at_one_size() {
 fn the_same_file_gives_the_same_mesh_every_time() {
     let Some(folder) = shared_meshes("repeatability of cleaning") else { return };
     for name in ["other_cmu_WP_outerface.STL", "other_trimesh_featuretype.STL"] {
-        // Every call hashes with keys of its own.
+        // Every call uses different hash keys.
         let run = || clean(read(&folder.join(name)).mesh).expect("it can be cleaned");
         let first = run();
         (0..3).for_each(|_| assert_eq!(run(), first, "{name}"));

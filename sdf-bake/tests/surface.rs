@@ -1,4 +1,4 @@
-//! The extracted surface: closed manifold, volume, area and distance against closed forms, for any field.
+//! The extracted surface: closed manifold for any field; volume, area and distance compared with closed forms.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -10,7 +10,7 @@ use sdf_bake::index::BrickIndex;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::{BakeOptions, BrickGrid, Combine, Mesh, SignChoice, SignMethod, bake};
 
-/// A box around the origin [m], turned out of the lattice's axes.
+/// A box around the origin [m], rotated relative to the lattice's axes.
 fn turned_box(half: DVec3) -> impl Fn(DVec3) -> f64 + Sync {
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.7).normalize(), 0.6);
     move |p| {
@@ -26,7 +26,7 @@ fn straight_box(half: DVec3, centre: DVec3) -> impl Fn(DVec3) -> f64 + Sync {
     }
 }
 
-/// The mesh as a file holds it: in single precision, with vertices in one place merged.
+/// The mesh as stored in a file: in single precision, with vertices at equal positions merged.
 fn merged(mesh: &Mesh) -> Mesh {
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
     let mut merged = Mesh::default();
@@ -45,8 +45,8 @@ fn merged(mesh: &Mesh) -> Mesh {
     merged
 }
 
-/// Merged in single precision, every edge is passed once each way, the triangles around every vertex are one fan, and every
-/// triangle has an area.
+/// Checks that, after merging in single precision, every edge is used once in each direction, the triangles around
+/// every vertex form one fan, and every triangle has nonzero area.
 fn assert_closed_manifold(mesh: &Mesh) {
     let mesh = &merged(mesh);
     let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
@@ -80,7 +80,7 @@ fn assert_closed_manifold(mesh: &Mesh) {
     }
 }
 
-/// No vertex is where the trilinear field is farther than 0.6 voxels from 0.
+/// Checks that at every vertex the trilinear field is within 0.6 voxels of 0.
 fn assert_near_field(grid: &BrickGrid, mesh: &Mesh) {
     for p in &mesh.positions {
         let off = f64::from(grid.sample(*p)).abs() / grid.voxel;
@@ -88,7 +88,7 @@ fn assert_near_field(grid: &BrickGrid, mesh: &Mesh) {
     }
 }
 
-/// Largest |distance| [voxels] of points spread over the triangles from the exact surface.
+/// Greatest |distance| [voxels] of points distributed over the triangles from the exact surface.
 fn farthest(mesh: &Mesh, voxel: f64, distance: impl Fn(DVec3) -> f64) -> f64 {
     let weights = [(1.0, 0.0), (0.5, 0.5), (1.0 / 3.0, 1.0 / 3.0), (0.2, 0.7)];
     let of = |t: usize| {
@@ -98,7 +98,7 @@ fn farthest(mesh: &Mesh, voxel: f64, distance: impl Fn(DVec3) -> f64) -> f64 {
     (0..mesh.triangles.len()).map(of).fold(0.0, f64::max) / voxel
 }
 
-/// Largest distance [voxels] of points of the exact surface from the mesh.
+/// Greatest distance [voxels] of points of the exact surface from the mesh.
 fn uncovered(mesh: &Mesh, voxel: f64, points: impl Iterator<Item = DVec3>) -> f64 {
     let query = MeshQuery::new(mesh);
     points.map(|p| query.closest(p).distance).fold(0.0, f64::max) / voxel
@@ -220,7 +220,7 @@ fn an_inner_edge_of_a_union_is_sharp() {
     assert!(far < 0.1, "{far}");
 }
 
-/// The mesh of a field with distances exact but for errors of up to `noise` voxels.
+/// Mesh of a field whose distances have errors of up to `noise` voxels.
 fn mesh_of(distance: &(dyn Fn(DVec3) -> f64 + Sync), reach: DVec3, voxel: f64, noise: f64) -> (BrickGrid, Mesh) {
     let mut grid = BrickGrid::from_distance(-reach, reach, voxel, 3.0, distance);
     let mut state = 1u64;
@@ -335,7 +335,7 @@ fn a_hole_wider_than_the_band_is_closed_where_phi_jumps() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Bricks of one side each, in any order, with and without a brick of values among them.
+    /// Bricks that are entirely on one side each, in any arrangement, with and without a brick of values among them.
     #[test]
     fn any_sides_of_bricks_give_a_closed_manifold(sides in prop::collection::vec(0..3u8, 27)) {
         let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::splat(-1), IVec3::splat(3));
@@ -357,7 +357,7 @@ proptest! {
     }
 }
 
-/// No distance at all: any signs, so every case of a cell and every pair of neighbours.
+/// Arbitrary values instead of distances: any signs, so every case of a cell and every pair of neighbours occurs.
 fn assert_manifold_of_any_values(seed: u64, share: f32) {
     let mut grid = BrickGrid::empty(1.0, 3.0, IVec3::ZERO, IVec3::new(2, 1, 1));
     grid.index = BrickIndex::from_dense(grid.dims, &[0, 1]);

@@ -1,7 +1,8 @@
-//! Geodesic tracing against potpourri3d (geometry-central) in the same run: CPU seconds, ratios and the same endpoints.
+//! Compares geodesic tracing with potpourri3d (geometry-central) in the same run: CPU seconds, ratios and end points.
 //!
 //! `cargo bench -p weldgen --bench trace` traces 1,000 straightest geodesics of half the diagonal on a gear of about
-//! 100,000 triangles and on a sphere of 81,920, and the same starts with curvature. Each figure is the least of five runs.
+//! 100,000 triangles and on a sphere of 81,920, and from the same starts with curvature. Each figure is the least of
+//! five runs.
 //! `ROBOFIN_PYTHON` names an interpreter with numpy and potpourri3d 1.4; without it that column is missing.
 
 #[path = "../../sdf-bake/tests/common/parts.rs"]
@@ -26,7 +27,7 @@ use weldgen::trace::{Trace, TraceEnd, TraceLimits, TraceStart, trace};
 
 const TRACES: usize = 1000;
 const RUNS: usize = 5;
-/// Figures published for potpourri3d 1.4 on 100,000 triangles (CPU s): preparing the mesh, 1,000 traces.
+/// Published figures of potpourri3d 1.4 on 100,000 triangles [CPU s]: mesh preparation, 1,000 traces.
 const PUBLIC: [f64; 2] = [0.15, 0.10];
 
 fn main() {
@@ -72,7 +73,7 @@ fn row(mesh: &Mesh) {
     }
 }
 
-/// Distances of ends from those of the reference, in words.
+/// Formats the distances of end points from those of the reference.
 fn off(mesh: &Mesh, ends: &[DVec3], exact: &[Option<DVec3>]) -> String {
     let known = ends.iter().zip(exact).filter_map(|(end, exact)| Some(end.distance((*exact)?) / mesh.diagonal()));
     let mut apart: Vec<f64> = known.collect();
@@ -81,7 +82,7 @@ fn off(mesh: &Mesh, ends: &[DVec3], exact: &[Option<DVec3>]) -> String {
     format!("median {median:.1e}, at most {worst:.1e} of the diagonal, {} ends", apart.len())
 }
 
-/// How far traces that turn round at their end stay from their start, in diagonals.
+/// Gap at the start of traces that are traced back from their end [diagonals].
 fn missed(mesh: &Mesh, topology: &Topology, traces: &[Trace]) -> f64 {
     let gap = |there: &Trace| {
         let last = there.points[1];
@@ -93,7 +94,7 @@ fn missed(mesh: &Mesh, topology: &Topology, traces: &[Trace]) -> f64 {
     traces.iter().map(gap).fold(0.0, f64::max) / mesh.diagonal()
 }
 
-/// Starts spread over the triangles, each within its triangle, with headings in its plane.
+/// Starts distributed over the triangles, each inside its triangle, with headings in its plane.
 fn starts(mesh: &Mesh) -> Vec<TraceStart> {
     let mut numbers = shapes::Numbers(5);
     let mut start = |i: usize| {
@@ -108,7 +109,7 @@ fn starts(mesh: &Mesh) -> Vec<TraceStart> {
     (0..TRACES).map(&mut start).collect()
 }
 
-/// Seconds that this thread has had a processor; without Linux's figure, seconds.
+/// CPU time of this thread [s]; wall time where Linux's figure is not available.
 fn processor_s() -> f64 {
     static STARTED: OnceLock<Instant> = OnceLock::new();
     let stat = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
@@ -116,7 +117,7 @@ fn processor_s() -> f64 {
     nanoseconds.map_or_else(|| STARTED.get_or_init(Instant::now).elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
-/// The least time [s] of several runs, and what the last one made.
+/// Least time [s] of several runs, and the result of the last one.
 fn least<T>(mut work: impl FnMut() -> T) -> (f64, T) {
     let (mut best, mut runs) = (f64::INFINITY, 0);
     loop {
@@ -130,7 +131,7 @@ fn least<T>(mut work: impl FnMut() -> T) -> (f64, T) {
     }
 }
 
-/// Time [s] to prepare the mesh and to trace, and the ends, by potpourri3d.
+/// Time [s] of potpourri3d to prepare the mesh and to trace, and the end points.
 fn potpourri3d(mesh: &Mesh, starts: &[TraceStart], length: f64) -> Result<(f64, f64, Vec<DVec3>), String> {
     let folder = std::env::temp_dir().join(format!("weldgen-trace-{}", std::process::id()));
     fs::create_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,4 +1,4 @@
-//! Tool access: can a wheel or a pad get at the weld?
+//! Tool access: share of tool poses in which a wheel or a pad reaches the weld without collision.
 
 use std::f64::consts::TAU;
 
@@ -9,57 +9,57 @@ use serde::Serialize;
 
 use crate::curve::{CurvePoint, WeldCurve};
 
-/// What touches the weld with which side.
+/// Kind of tool, with the side that touches the weld.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToolKind {
-    /// A wheel: its rim touches, its axis lies along the surface.
+    /// A wheel: its rim touches, and its axis is parallel to the surface.
     Wheel,
-    /// A pad: its face touches with the rim, its axis stands on the surface.
+    /// A pad: the rim of its face touches, and its axis is nearly normal to the surface.
     Pad,
 }
 
-/// A round tool, as far as collisions go.
+/// A round tool, as used in collision checks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ToolShape {
-    /// Which side touches.
+    /// Kind of tool.
     pub kind: ToolKind,
     /// Radius of the cylinder [m].
     pub radius: f64,
-    /// Its width along the axis [m].
+    /// Width along the axis [m].
     pub width: f64,
 }
 
 impl Default for ToolShape {
-    /// The wheel that `robofin simulate` grinds with.
+    /// The default wheel of `robofin simulate`.
     fn default() -> Self {
         Self { kind: ToolKind::Wheel, radius: 0.050, width: 0.010 }
     }
 }
 
-/// Turns of the tool about the normal, evenly over half a turn for a wheel and a whole turn for a pad.
+/// Rotations of the tool about the normal, evenly over half a turn for a wheel and a full turn for a pad.
 const TURNS: u32 = 6;
-/// Tilts of the wheel's plane to the sides [rad].
+/// Sideways tilts of the wheel's plane [rad].
 const WHEEL_TILTS: [f64; 3] = [-0.25, 0.0, 0.25];
 /// Tilts of the pad [rad].
 const PAD_TILTS: [f64; 3] = [0.05, 0.15, 0.3];
-/// Lines of the tool's surface that are held against the part, around the rim and on each face.
+/// Number of lines on the tool's surface that are tested against the part, around the rim and on each face.
 const LINES: u32 = 16;
 /// Distance between stations, in bead widths.
 const STATION_WIDTHS: f64 = 0.5;
 
-/// The tool in one pose.
+/// Pose of the tool.
 struct Pose {
     /// Centre of one face [m].
     centre: DVec3,
-    /// Unit vector along the axis, to the other face.
+    /// Unit vector along the axis, towards the other face.
     axis: DVec3,
 }
 
-/// Share of poses in which the tool, touching the crown of the bead, is clear of the part, in [0, 1], for each point.
+/// Share of poses without collision when the tool touches the crown of the bead, in [0, 1], for each point.
 ///
-/// Measured at stations half a bead width apart and interpolated between them. A tool collides when one of the lines
-/// along its rim or across its faces meets the part: what is smaller than a sixteenth of the rim may slip through.
+/// Measured at stations half a bead width apart and interpolated between them. A tool collides if one of the lines
+/// along its rim or across its faces meets the part. Obstacles smaller than a sixteenth of the rim may be missed.
 pub fn access(query: &MeshQuery, curve: &WeldCurve, tool: ToolShape, [width, height]: [f64; 2]) -> Vec<f64> {
     let last = curve.points.len().saturating_sub(1);
     if last == 0 {
@@ -85,7 +85,7 @@ fn at_point(query: &MeshQuery, point: &CurvePoint, tool: ToolShape, height: f64)
     free as f64 / poses.len() as f64
 }
 
-/// All poses in which the tool touches the crown above a point.
+/// Returns all poses in which the tool touches the crown above a point.
 fn poses(point: &CurvePoint, tool: ToolShape, height: f64) -> Vec<Pose> {
     let contact = point.position + height * point.normal;
     let (normal, radius, width) = (point.normal, tool.radius, tool.width);

@@ -1,4 +1,4 @@
-//! Proposals of butt welds: stretches of plane cuts through smooth ground that is nowhere hollow.
+//! Proposals of butt welds: stretches of plane cuts through a smooth surface without concave edges.
 
 use crate::curvature::CurvatureProfile;
 use crate::curve::WeldCurve;
@@ -8,7 +8,7 @@ use crate::request::{Joint, Placement};
 use crate::trace::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart, trace_section};
 
 impl Proposals<'_> {
-    /// What the weld joins.
+    /// Kind of joint.
     pub(crate) fn joint(&self) -> Joint {
         match (self.search.along_seams, self.search.request.placement) {
             (true, _) => Joint::Fillet,
@@ -17,7 +17,7 @@ impl Proposals<'_> {
         }
     }
 
-    /// The cut through a start, both ways; its curvature is that of the cut.
+    /// Returns the plane cut through a start, in both directions, with the curvature of the cut.
     pub(crate) fn section(&self, start: TraceStart) -> Result<WeldCurve, Refused> {
         let layout @ Layout { steps, spacing, clear } = self.layout();
         let whole = steps + 2 * clear;

@@ -1,18 +1,18 @@
-//! Geodesic curvature as a function of arc length: the steering of a weld curve.
+//! Geodesic curvature of a weld curve as a function of arc length.
 
 use rand::RngExt;
 use std::f64::consts::TAU;
 
-/// Sines in a random shape.
+/// Number of sines in a random shape.
 const WAVES: usize = 16;
-/// Gain at which the limiter has all but turned a shape into a rectangle, relative to the gain without a limit.
+/// Gain, relative to the gain without a limit, at which the limiter has turned a shape into almost a rectangle.
 const MOST_GAIN: f64 = 64.0;
-/// Bisections of the gain: to 1e-7 of itself.
+/// Bisections of the gain, to a relative precision of 1e-7.
 const GAIN_STEPS: usize = 24;
 
 /// κ_g(s) [1/m], piecewise linear between evenly spaced knots and constant beyond them.
 ///
-/// Positive values steer to the left: towards normal × tangent.
+/// Positive values turn to the left: towards normal × tangent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvatureProfile {
     first: f64,
@@ -20,35 +20,35 @@ pub struct CurvatureProfile {
     knots: Vec<f64>,
 }
 
-/// The straight stretch of a profile at some arc length.
+/// The linear segment of a profile at some arc length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
-    /// Curvature here [1/m].
+    /// Curvature [1/m].
     pub(crate) value: f64,
-    /// Its change per arc length [1/m²].
+    /// Slope of the curvature over arc length [1/m²].
     pub(crate) slope: f64,
-    /// Arc length to the end of the stretch [m].
+    /// Arc length to the end of the segment [m].
     pub(crate) left: f64,
 }
 
 impl CurvatureProfile {
-    /// The same curvature [1/m] everywhere; 0 is a geodesic.
+    /// A constant curvature [1/m]; 0 gives a geodesic.
     pub fn constant(curvature: f64) -> Self {
         Self { first: 0.0, spacing: 1.0, knots: vec![curvature] }
     }
 
-    /// Curvatures [1/m] at arc lengths `first + i·spacing` [m].
+    /// Piecewise linear profile through curvatures [1/m] at arc lengths `first + i·spacing` [m].
     ///
-    /// `None` unless all numbers are finite, the spacing is positive and there is a knot.
+    /// `None` unless all numbers are finite, the spacing is positive and there is at least one knot.
     pub fn linear(first: f64, spacing: f64, knots: Vec<f64>) -> Option<Self> {
         let proper = first.is_finite() && spacing.is_finite() && spacing > 0.0 && !knots.is_empty();
         (proper && knots.iter().all(|knot| knot.is_finite())).then_some(Self { first, spacing, knots })
     }
 
-    /// A smooth random shape over `[-reach, reach]`: a Gaussian process of unit variance whose correlation at a distance
-    /// Δ is exp(−Δ²/2ℓ²), with ℓ the `correlation` length [m].
+    /// A smooth random shape over `[-reach, reach]`: a Gaussian process of unit variance whose correlation at a
+    /// distance Δ is exp(−Δ²/2ℓ²), with ℓ the `correlation` length [m].
     ///
-    /// It is a sum of sixteen sines of random phase with wavenumbers drawn from that spectrum (Shinozuka & Jan 1972).
+    /// Sum of sixteen sines with random phases and with wavenumbers drawn from that spectrum (Shinozuka & Jan 1972).
     pub fn random(reach: f64, correlation: f64, rng: &mut impl RngExt) -> Self {
         let waves: [(f64, f64); WAVES] = std::array::from_fn(|_| {
             let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
@@ -64,10 +64,11 @@ impl CurvatureProfile {
         Self { first: -reach, spacing, knots: (0..=count).map(at).collect() }
     }
 
-    /// The shape made into a curvature of root mean square `rms` [1/m] over `[from, to]` that never passes `max` [1/m]:
-    /// κ = max · tanh(g · shape / max), with the gain g found by bisection.
+    /// Converts the shape to a curvature of root mean square `rms` [1/m] over `[from, to]` that never exceeds `max`
+    /// [1/m]: κ = max · tanh(g · shape / max), with the gain g found by bisection.
     ///
-    /// Without a shape on the interval, or with `rms` so near to `max` that no gain reaches it, the nearest is returned.
+    /// If the shape is zero on the interval, or `rms` is so close to `max` that no gain reaches it, the nearest
+    /// curvature is returned.
     pub fn limited_to(&self, rms: f64, max: f64, [from, to]: [f64; 2]) -> Self {
         let with_gain = |gain: f64| {
             let limit = |knot: &f64| if max.is_finite() { max * (gain * knot / max).tanh() } else { gain * knot };
@@ -94,18 +95,18 @@ impl CurvatureProfile {
         self.stretch(s).value
     }
 
-    /// The profile met when the curve is walked from `s = 0` the other way: left and right change places.
+    /// Profile for travel from `s = 0` in the opposite direction: left and right are exchanged.
     pub fn reversed(&self) -> Self {
         let last = self.first + self.spacing * (self.knots.len() - 1) as f64;
         Self { first: -last, spacing: self.spacing, knots: self.knots.iter().rev().map(|knot| -knot).collect() }
     }
 
-    /// Whether every curvature is a number.
+    /// True if every curvature is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.knots.iter().all(|knot| knot.is_finite())
     }
 
-    /// Largest magnitude [1/m].
+    /// Greatest magnitude [1/m].
     pub fn max_abs(&self) -> f64 {
         self.knots.iter().fold(0.0, |max, knot| knot.abs().max(max))
     }
@@ -123,7 +124,7 @@ impl CurvatureProfile {
     }
 
     pub(crate) fn stretch(&self, s: f64) -> Stretch {
-        // A hair past a knot counts as beyond it, so that walking from knot to knot makes progress.
+        // Positions slightly past a knot count as beyond it, so that stepping from knot to knot makes progress.
         let place = (s - self.first) / self.spacing + 1e-9;
         let last = self.knots.len() - 1;
         if place < 0.0 {

@@ -1,4 +1,4 @@
-//! The weld curve: evenly spaced points of the surface with frames.
+//! The weld curve: evenly spaced points on the surface, with frames.
 
 use glam::DVec3;
 use sdf_bake::Mesh;
@@ -10,29 +10,29 @@ use crate::trace::TracePoint;
 
 /// A point of a weld's centreline.
 ///
-/// `(tangent, side, normal)` is a right-handed orthonormal frame: `side = normal × tangent` points to the left of
+/// `(tangent, side, normal)` is a right-handed orthonormal frame. `side = normal × tangent` points to the left of
 /// travel, and a positive geodesic curvature turns the tangent towards it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// Position [m], on the surface: the weighted corners of `face`.
+    /// Position [m] on the surface: the barycentric combination of the corners of `face`.
     pub position: DVec3,
-    /// Unit direction of travel, smoothed along the arc.
+    /// Unit direction of travel, smoothed along the curve.
     pub tangent: DVec3,
-    /// Unit normal out of the part, smoothed along the arc.
+    /// Unit normal out of the part, smoothed along the curve.
     pub normal: DVec3,
     /// Unit vector to the left: `normal × tangent`.
     pub side: DVec3,
     /// Arc length from the start of the weld [m].
     pub arc_length: f64,
-    /// κ_g [1/m].
+    /// Geodesic curvature κ_g [1/m].
     pub geodesic_curvature: f64,
-    /// Index of the triangle that holds the point.
+    /// Index of the triangle that contains the point.
     pub face: u32,
-    /// Weights of that triangle's corners.
+    /// Barycentric coordinates in that triangle.
     pub barycentric: [f64; 3],
-    /// Cosine-weighted share of free sky, in [0, 1] (see [`crate::exposure`]).
+    /// Exposure: cosine-weighted free share of the hemisphere, in [0, 1] (see [`crate::exposure`]).
     pub exposure: f64,
-    /// Share of the tool's poses that are clear of the part, in [0, 1] (see [`crate::access`]).
+    /// Tool access: share of the tool's poses without collision, in [0, 1] (see [`crate::access`]).
     pub access: f64,
     /// Width of the bead here [m].
     pub width: f64,
@@ -40,7 +40,7 @@ pub struct CurvePoint {
     pub height: f64,
 }
 
-/// Sine of the angle below the horizon up to which a weld still counts as one on an upright wall: 15°.
+/// Sine of the angle below the horizon up to which a weld still counts as one on a vertical wall: 15°.
 const OVERHEAD_LEAN: f64 = 0.26;
 
 /// A weld's centreline on the part.
@@ -50,20 +50,20 @@ pub struct WeldCurve {
     pub points: Vec<CurvePoint>,
 }
 
-/// What [`WeldCurve::validate`] found.
+/// Fault found by [`WeldCurve::validate`].
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CurveError {
     /// Fewer than two points.
     #[error("the curve has {0} points; at least 2 are needed")]
     TooShort(usize),
-    /// A point is not where its triangle and weights say.
+    /// A point is not at the position given by its triangle and barycentric coordinates.
     #[error("point {index} is {off:e} m off triangle {face}; {allowed:e} m is allowed")]
     OffSurface {
         /// Index of the point.
         index: usize,
-        /// Distance found [m].
+        /// Distance from the triangle [m].
         off: f64,
-        /// The triangle it names.
+        /// Index of its triangle.
         face: u32,
         /// Distance allowed [m].
         allowed: f64,
@@ -71,7 +71,7 @@ pub enum CurveError {
     /// A frame is not orthonormal and right-handed.
     #[error("the frame of point {0} is not orthonormal and right-handed to 1e-9")]
     Frame(usize),
-    /// Arc lengths are not evenly increasing, or the chord is longer than the arc.
+    /// Arc lengths do not increase evenly, or a chord is longer than its arc.
     #[error(
         "arc length {found} m at point {index} does not follow from {previous} m by an even step that the chord fits"
     )]
@@ -80,7 +80,7 @@ pub enum CurveError {
         index: usize,
         /// Arc length of the point [m].
         found: f64,
-        /// Arc length of the point before [m].
+        /// Arc length of the previous point [m].
         previous: f64,
     },
 }
@@ -94,7 +94,7 @@ impl WeldCurve {
         }
     }
 
-    /// Smallest exposure along the curve; 1 without points.
+    /// Least exposure along the curve; 1 without points.
     pub fn min_exposure(&self) -> f64 {
         self.points.iter().fold(1.0, |min, point| point.exposure.min(min))
     }
@@ -104,7 +104,7 @@ impl WeldCurve {
         self.points.iter().map(|point| point.access).sum::<f64>() / self.points.len().max(1) as f64
     }
 
-    /// Whether the mean normal leans below the horizon by more than 15°, z upwards: a welder would have to work overhead.
+    /// True if the mean normal points more than 15° below the horizon, z upwards: the weld would be made overhead.
     pub fn faces_down(&self) -> bool {
         let mean = self.points.iter().map(|point| point.normal.z).sum::<f64>() / self.points.len().max(1) as f64;
         mean < -OVERHEAD_LEAN
@@ -165,11 +165,11 @@ impl WeldCurve {
         Ok(())
     }
 
-    /// Frames a stretch of a traced curve: points `first..=last`, evenly `spacing` [m] apart.
+    /// Builds frames on a stretch of a traced curve: points `first..=last`, evenly `spacing` [m] apart.
     ///
     /// Normals and tangents are averaged over `half_window` points to both sides (weights falling linearly to 0), so
-    /// that the facets of a tessellated surface do not kink what is swept along the curve. The window is cut to what
-    /// the trace has on both sides, which keeps it centred.
+    /// that the facets of a tessellated surface do not cause kinks in the swept bead. Near the ends the window is
+    /// shortened on both sides, which keeps it centred.
     pub(crate) fn frame(points: &[TracePoint], stretch: Stretch, curvature: &CurvatureProfile) -> Self {
         let Stretch { first, last, spacing, half_window, start } = stretch;
         let framed = |index: usize| {
@@ -201,7 +201,7 @@ impl WeldCurve {
     }
 }
 
-/// Which part of a trace becomes a curve.
+/// Part of a trace that becomes a curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub(crate) first: usize,

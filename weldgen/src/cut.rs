@@ -1,4 +1,4 @@
-//! Imperfections that take metal away: closed bodies to be cut out of the welded part.
+//! Imperfections that remove metal: closed bodies to be subtracted from the welded part.
 //!
 //! ```text
 //!            .--'''--.                    |    |
@@ -20,18 +20,18 @@ use crate::curve::{CurvePoint, WeldCurve};
 use crate::rejection::Rejection;
 use crate::surface::Surface;
 
-/// Places tried for one imperfection.
+/// Positions tried for one imperfection.
 const TRIES: usize = 8;
-/// Points around a groove or a hole.
+/// Number of points around a groove or a hole.
 const AROUND: u32 = 16;
-/// Largest angle [rad] between the ground beside a toe and at it.
+/// Greatest angle [rad] between the surface beside a toe and at it.
 const MAX_TILT: f64 = 0.35;
-/// Thickest ground that burns through, in bead widths.
+/// Greatest thickness that burns through [bead widths].
 const THICKEST: f64 = 1.0;
-/// How far a hole goes on beyond the far side, in bead widths, where nothing else may be.
+/// Distance by which a hole extends beyond the far side [bead widths]; this space must be free.
 const BEYOND: f64 = 0.15;
 
-/// What is taken away, and what it is.
+/// Bodies that are removed, and their imperfections.
 #[derive(Default)]
 pub(crate) struct Cuts {
     /// Closed bodies [m], normals outwards.
@@ -39,7 +39,7 @@ pub(crate) struct Cuts {
     pub(crate) defects: Vec<Defect>,
 }
 
-/// A bead on its ground.
+/// A bead on its surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Laid<'a> {
     pub(crate) surface: &'a Surface<'a>,
@@ -49,7 +49,7 @@ pub(crate) struct Laid<'a> {
 }
 
 impl Laid<'_> {
-    /// The undercut and the holes asked for, or why the ground allows none.
+    /// Makes the requested undercut and holes, or returns the reason why the surface allows none.
     pub(crate) fn cuts(&self, request: &FormRequest, rng: &mut impl RngExt) -> Result<Cuts, Rejection> {
         let mut cuts = Cuts::default();
         let mut add = |(body, defect): (Mesh, Defect)| {
@@ -66,7 +66,7 @@ impl Laid<'_> {
         Ok(cuts)
     }
 
-    /// Whether nothing rises into the lobe of an overlap.
+    /// True if no surface rises into the lobe of an overlap.
     pub(crate) fn overlaps_hang_free(&self) -> bool {
         let free = |defect: &Defect| {
             let at = |point: &&CurvePoint| (point.arc_length - defect.arc_length).abs() < 0.25 * defect.size;
@@ -81,7 +81,7 @@ impl Laid<'_> {
         self.form.defects().iter().filter(|defect| defect.kind == DefectKind::Overlap).all(free)
     }
 
-    /// A groove one to three widths long and 0.2 to 0.3 widths wide, half an ellipse across and along.
+    /// Makes a groove one to three widths long and 0.2 to 0.3 widths wide, a half ellipse across and along.
     fn undercut(&self, depth: f64, rng: &mut impl RngExt) -> Option<(Mesh, Defect)> {
         let (length, width) = (self.curve.length(), self.profile.width);
         let size = (width * (1.0 + 2.0 * rng.random::<f64>())).min(0.8 * length);
@@ -98,7 +98,7 @@ impl Laid<'_> {
             let swell = (1.0 - along * along).sqrt();
             let point = |i: u32| {
                 let (sin, cos) = (TAU * f64::from(i) / f64::from(AROUND)).sin_cos();
-                // From ahead, left is on the right hand: counter-clockwise is from the left over the top.
+                // Seen from ahead, left and right are exchanged: counter-clockwise runs from the left over the top.
                 *centre + swell * (left * half * cos * *out + depth * sin * *up)
             };
             (0..AROUND).map(point).collect::<Vec<DVec3>>()
@@ -109,10 +109,11 @@ impl Laid<'_> {
         (!rings.is_empty()).then(|| (loft(&rings, [*first, *last]), defect))
     }
 
-    /// Ground at a distance outwards from a toe, the way outwards along it, and its normal, both square to the curve;
-    /// `None` where it bends away, or the part is thinner than twice the depth.
+    /// Returns the surface point at a distance outwards from a toe, the outward direction along the surface, and the
+    /// surface normal, both perpendicular to the curve. `None` if the surface bends away, or the part is thinner than
+    /// twice the depth.
     ///
-    /// - `off`: the distance [m], negative on the right
+    /// - `off`: distance [m], negative on the right
     fn beside_toe(&self, point: &CurvePoint, off: f64, depth: f64) -> Option<[DVec3; 3]> {
         let Surface { query, part, .. } = self.surface;
         let (profile, s) = (self.profile, point.arc_length);
@@ -129,7 +130,7 @@ impl Laid<'_> {
         (even && thick).then_some([ground.point, out, up])
     }
 
-    /// A hole 0.3 to 0.4 widths across, through bead and part.
+    /// Makes a hole 0.3 to 0.4 widths in diameter through bead and part.
     fn burn_through(&self, rng: &mut impl RngExt) -> Option<(Mesh, Defect)> {
         let BeadProfile { width, height, .. } = *self.profile;
         let radius = width * (0.15 + 0.05 * rng.random::<f64>());
@@ -155,7 +156,8 @@ impl Laid<'_> {
         Some((loft(&rings, ends), defect))
     }
 
-    /// Depth [m] of the part's far side below a place near its surface, if the part is thin there and nothing follows.
+    /// Depth [m] of the part's far side below a point near its surface, if the part is thin there and free space
+    /// follows.
     fn far_side(&self, place: DVec3, normal: DVec3) -> Option<f64> {
         let BeadProfile { width, height, .. } = *self.profile;
         let (query, skin) = (self.surface.query, 1e-4 * height);

@@ -1,7 +1,7 @@
-//! The table of dials: every number that may be asked of a weld, with its unit and what is accepted of it on any part.
+//! The table of dials: every number that can be requested of a weld, with its unit and the range accepted on any part.
 //!
-//! Limits that follow from a part or from other dials are checked by [`crate::WeldRequest::check`]. Flags, messages and
-//! checks read the same rows.
+//! Limits that depend on a part or on other dials are checked by [`crate::WeldRequest::check`]. Flags, messages and
+//! checks use the same rows.
 
 use crate::bead::{MOST_DEFECTS, MOST_HOLES};
 use crate::dial_fault::{shown, shown_mm};
@@ -11,18 +11,18 @@ use crate::dial_fault::{shown, shown_mm};
 pub struct Dial {
     /// Name in messages, such as `ripple pitch`.
     pub name: &'static str,
-    /// Name where users set it, with the unit of lengths there, such as `ripple-pitch-mm`.
+    /// Name in flags and files, with the unit of lengths there, such as `ripple-pitch-mm`.
     pub key: &'static str,
-    /// Unit of its numbers.
+    /// Unit of its values.
     pub unit: Unit,
-    /// Least and greatest number accepted, both included.
+    /// Least and greatest accepted value, both included.
     pub range: [f64; 2],
 }
 
 /// Unit of a dial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// A length: metres inside, millimetres where users set it.
+    /// A length: metres internally, millimetres in flags and files.
     Length,
     /// 1/m.
     PerMetre,
@@ -34,10 +34,10 @@ pub enum Unit {
     Heights,
 }
 
-/// Everything above zero.
+/// All positive numbers.
 pub const ABOVE_ZERO: [f64; 2] = [f64::from_bits(1), f64::MAX];
 const SHARE: [f64; 2] = [0.0, 1.0];
-/// Sharper curves than any part has.
+/// Curvatures up to a limit that no part reaches.
 const CURVATURES: [f64; 2] = [0.0, 1e4];
 
 const fn length(name: &'static str, key: &'static str) -> Dial {
@@ -66,9 +66,9 @@ pub const EXPOSURE: Dial = number("exposure", "exposure", Unit::One, SHARE);
 pub const EXPOSURE_REACH: Dial = length("exposure reach", "exposure-reach-mm");
 /// Radius of the tool whose access is measured.
 pub const TOOL_RADIUS: Dial = length("tool radius", "access-radius-mm");
-/// Width of that tool along its axis.
+/// Width of this tool along its axis.
 pub const TOOL_WIDTH: Dial = length("tool width", "access-width-mm");
-/// Least mean share of that tool's poses that are clear of the part.
+/// Least mean share of this tool's poses without collision.
 pub const LEAST_ACCESS: Dial = number("least access", "min-access", Unit::One, SHARE);
 /// Width of the bead between its toes.
 pub const WIDTH: Dial = length("width", "width-mm");
@@ -78,31 +78,31 @@ pub const HEIGHT: Dial = length("height", "height-mm");
 pub const CONVEXITY: Dial = number("convexity", "convexity", Unit::Widths, [-0.2, 0.25]);
 /// Length of each bead of an intermittent weld.
 pub const STITCH_LENGTH: Dial = length("stitch length", "stitch-mm");
-/// Distance from the start of such a bead to that of the next.
+/// Distance from the start of one bead of an intermittent weld to the start of the next.
 pub const STITCH_PITCH: Dial = length("stitch pitch", "stitch-pitch-mm");
-/// Least radius of the toes in the field.
+/// Least radius of the toes in the distance field.
 pub const TOE_RADIUS: Dial = length("toe radius", "toe-radius-mm");
 /// Distance between ripples.
 pub const RIPPLE_PITCH: Dial = length("ripple pitch", "ripple-pitch-mm");
 /// Height of ripples from trough to crest.
 pub const RIPPLE_HEIGHT: Dial = number("ripple height", "ripple-height", Unit::Heights, [0.0, 0.5]);
-/// Distance by which ripples trail behind at the toes.
+/// Distance by which ripples trail at the toes.
 pub const RIPPLE_CHEVRON: Dial = number("ripple chevron", "ripple-chevron", Unit::Widths, [0.0, 1.0]);
 /// Depth of the end crater.
 pub const CRATER_DEPTH: Dial = number("crater depth", "crater", Unit::Heights, [0.0, 0.8]);
-/// Height of the hump at the start beyond the bead.
+/// Height of the hump at the start, above the bead.
 pub const START_HUMP: Dial = number("start hump", "start-hump", Unit::Heights, [0.0, 0.5]);
-/// Largest offset of weaving to the sides.
+/// Greatest lateral offset of weaving.
 pub const WEAVE: Dial = length("weave", "weave-mm");
-/// Length of one swing to and fro.
+/// Length of one oscillation of weaving.
 pub const WEAVE_PITCH: Dial = length("weave pitch", "weave-pitch-mm");
-/// Largest slow change of the width.
+/// Greatest slow change of the width.
 pub const WIDTH_VARIATION: Dial = number("width variation", "width-variation", Unit::Widths, [0.0, 0.3]);
-/// Largest slow change of the height.
+/// Greatest slow change of the height.
 pub const HEIGHT_VARIATION: Dial = number("height variation", "height-variation", Unit::Heights, [0.0, 0.3]);
 /// Depth of a sag of the crown.
 pub const SAGGING: Dial = number("sagging", "sagging", Unit::Heights, [0.0, 0.7]);
-/// Distance by which a lobe hangs over a toe.
+/// Overhang of a lobe over a toe.
 pub const OVERLAP: Dial = number("overlap", "overlap", Unit::Widths, [0.0, 0.3]);
 /// Depth of a groove along a toe.
 pub const UNDERCUT: Dial = number("undercut", "undercut", Unit::Heights, [0.0, 0.5]);
@@ -113,7 +113,7 @@ pub const SPATTER: Dial = count("number of drops of spatter", "spatter", MOST_DE
 /// Number of holes burnt through bead and part.
 pub const BURN_THROUGH: Dial = count("number of burnt holes", "burn-through", MOST_HOLES);
 
-/// All dials that are numbers, from the curve to the imperfections.
+/// All numeric dials, from the curve to the imperfections.
 pub const DIALS: [Dial; 30] = [
     LENGTH,
     CURVATURE_RMS,
@@ -148,23 +148,23 @@ pub const DIALS: [Dial; 30] = [
 ];
 
 impl Dial {
-    /// The dial of a name in messages.
+    /// Returns the dial with this name in messages.
     pub fn named(name: &str) -> Option<&'static Self> {
         DIALS.iter().find(|dial| dial.name == name)
     }
 
-    /// True if a number is within the accepted range; lengths may be in metres or in millimetres.
+    /// True if a value is within the accepted range; lengths may be in metres or in millimetres.
     pub fn accepts(&self, value: f64) -> bool {
         let [least, most] = self.range;
         (least..=most).contains(&value)
     }
 
-    /// A number of it (SI) in words, lengths with their unit.
+    /// Formats a value [SI]; lengths with their unit.
     pub(crate) fn shown(&self, value: f64) -> String {
         if self.unit == Unit::Length { shown_mm(value) } else { shown(value) }
     }
 
-    /// Accepted range in words.
+    /// Formats the accepted range.
     pub(crate) fn accepted(&self) -> String {
         let [least, most] = self.range;
         match self.range {
@@ -175,7 +175,7 @@ impl Dial {
 }
 
 impl Unit {
-    /// Unit after a number in messages; empty for lengths, which are shown with their own unit, millimetres.
+    /// Unit after a value in messages; empty for lengths, which are formatted in millimetres with their unit.
     pub(crate) fn suffix(self) -> &'static str {
         match self {
             Self::Length | Self::One => "",

@@ -1,4 +1,4 @@
-//! Exposure: how much of the sky a surface point sees.
+//! Exposure: cosine-weighted share of the hemisphere above a surface point that is free of the part.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sdf_bake::query::MeshQuery;
 
-/// How exposure is measured.
+/// Settings of the exposure measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExposureRays {
-    /// What lies farther than this [m] hides nothing.
+    /// Distance beyond which nothing occludes [m].
     pub reach: f64,
-    /// Distance above the surface [m] at which rays start.
+    /// Height above the surface at which rays start [m].
     pub lift: f64,
     /// Number of rays; the result is a multiple of 1/rays.
     pub rays: u32,
@@ -19,8 +19,8 @@ pub struct ExposureRays {
 
 /// Cosine-weighted share of the hemisphere above a point that is free up to the reach, in [0, 1].
 ///
-/// 1 on a convex solid, 1/2 in the corner between two square walls. The directions are a Hammersley set (1960) mapped
-/// to the cosine-weighted hemisphere, so the share of free rays is the integral, without noise from run to run.
+/// 1 on a convex solid, 1/2 in the corner between two perpendicular walls. The directions are a Hammersley set (1960)
+/// mapped to the cosine-weighted hemisphere, so the share of free rays approximates the integral without random noise.
 pub fn exposure(query: &MeshQuery, position: DVec3, normal: DVec3, settings: ExposureRays) -> f64 {
     let (side, front) = normal.any_orthonormal_pair();
     let origin = position + settings.lift * normal;
@@ -35,12 +35,12 @@ pub fn exposure(query: &MeshQuery, position: DVec3, normal: DVec3, settings: Exp
     free as f64 / f64::from(settings.rays.max(1))
 }
 
-/// Exposure of many points, given as (position, normal); the same for any number of threads.
+/// Exposures of many points, given as (position, normal); the same for any number of threads.
 pub fn exposures(query: &MeshQuery, points: &[(DVec3, DVec3)], settings: ExposureRays) -> Vec<f64> {
     points.par_iter().map(|&(position, normal)| exposure(query, position, normal, settings)).collect()
 }
 
-/// The bits of a number mirrored behind the binary point: van der Corput's sequence (1935), in [0, 1).
+/// Radical inverse: the bits of a number mirrored at the binary point (van der Corput's sequence, 1935), in [0, 1).
 fn radical_inverse(i: u32) -> f64 {
     f64::from(i.reverse_bits()) / 2f64.powi(32)
 }

@@ -1,4 +1,4 @@
-//! Proposals of fillet welds: stretches of seams on which a fillet has its toes on both walls.
+//! Proposals of fillet welds: stretches of seams on which both toes of a fillet lie on the walls.
 
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -11,15 +11,15 @@ use crate::propose::{Candidate, Layout, POINTS_PER_WIDTH, Proposals, Refused, mi
 use crate::rejection::Rejection;
 use crate::seam::Seam;
 
-/// How far the fillet goes into the walls, in widths.
+/// Depth of the fillet in the walls [widths].
 const ROOT_SHARE: f64 = 0.1;
-/// Largest change [rad] of the angle between the walls along one weld: its toes then stay within the walls.
+/// Greatest change [rad] of the angle between the walls along one weld; it keeps the toes within the walls.
 const OPENING_CHANGE: f64 = 0.07;
-/// Angles between the walls [rad] that a fillet can be laid in.
+/// Least and greatest angle between the walls [rad] for a fillet.
 const OPENINGS: [f64; 2] = [0.8, 2.6];
 
 impl Proposals<'_> {
-    /// A stretch of one of the seams, drawn by its length.
+    /// Proposes a stretch of one of the seams, chosen with probability proportional to length.
     pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
         let seams = self.search.surface.seams();
@@ -49,7 +49,7 @@ impl Proposals<'_> {
         self.finish_fillet(curve, profile, &mut rng).map_err(refuse)
     }
 
-    /// A fillet as wide as asked in a corner of these openings [rad].
+    /// Fillet of the requested width in a corner whose angle is within this range [rad].
     fn fillet_profile(&self, [narrow, wide]: [f64; 2]) -> Result<BeadProfile, Rejection> {
         let fits = wide - narrow <= OPENING_CHANGE && narrow >= OPENINGS[0] && wide <= OPENINGS[1];
         let opening = 0.5 * (narrow + wide);
@@ -79,7 +79,7 @@ impl Proposals<'_> {
         Ok(Candidate { curve, bead, root_depth, profile, form, cuts })
     }
 
-    /// Why a section does not fit its corner: its face must be in the open, its base in the walls.
+    /// Reason why a section does not fit its corner: its face must be in open space, its base inside the walls.
     fn off_walls(&self, point: &CurvePoint, profile: &BeadProfile, root_depth: f64) -> Option<Rejection> {
         let at = |y: f64, z: f64| point.position + y * point.side + z * point.normal;
         let outside = |point: DVec3| self.search.surface.is_open_space(point);

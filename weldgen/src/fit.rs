@@ -1,4 +1,4 @@
-//! Judging proposals: the first that fits, those that a welder can lay from above before those overhead.
+//! Examines proposals and chooses the first that fits; welds from above are preferred to overhead ones.
 
 use rayon::prelude::*;
 
@@ -8,20 +8,21 @@ use crate::exposure::exposures;
 use crate::propose::{Candidate, Proposals, Refused};
 use crate::rejection::{Rejection, Tally};
 
-/// Proposals judged side by side at most; the first that fits wins, so the number of threads changes nothing.
+/// Greatest number of proposals examined in parallel; the first that fits is taken, so the result is independent of the
+/// number of threads.
 const LARGEST_BATCH: usize = 32;
-/// Proposals judged after one that fits and faces down, for one that does not. Where a twentieth of the proposals fit
-/// otherwise, one in thirty such searches finds none.
+/// Number of further proposals examined after the first one that fits and faces down, to find one that does not. If a
+/// twentieth of the proposals fit otherwise, one in thirty such searches finds none.
 const UPRIGHT_ATTEMPTS: usize = 64;
 /// Rays per point of a placed weld.
 const MEASURING_RAYS: u32 = 256;
-/// Distance kept from the ends of the range of exposure, so that a finer measurement does not fall out of it.
+/// Margin at the ends of the exposure range, so that a finer measurement does not leave the range.
 const EXPOSURE_MARGIN: f64 = 0.01;
 
-/// The first proposal in order that fits and does not face down; one that does where no other is found soon. The dropped
-/// ones before it are counted.
+/// Returns the first proposal in order that fits and does not face down, or one that does if no other is found soon.
+/// Rejected proposals before it are counted.
 ///
-/// Batches start small and double: on most parts one of the first few fits.
+/// Batches start small and double: on most parts one of the first few proposals fits.
 pub(crate) fn first_fit(
     proposals: &Proposals,
     attempts: usize,
@@ -57,7 +58,8 @@ pub(crate) fn first_fit(
     Some(candidate)
 }
 
-/// Measures what the curve's points record; exposure and access are now known well enough to hold them against the dials.
+/// Measures the properties recorded at the curve's points. Exposure and access are then accurate enough to compare with
+/// the dials.
 fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
     let refuse = |why| Err(Refused { why, run: proposals.wanted.length });
     let BeadProfile { width, height, .. } = candidate.profile;
@@ -85,7 +87,7 @@ fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate,
     Ok(candidate)
 }
 
-/// A range of exposure without its ends, but for 0 and 1, which nothing passes.
+/// Shrinks a range of exposure by the margin, except at 0 and 1, which no exposure exceeds.
 fn within([low, high]: [f64; 2]) -> [f64; 2] {
     let margin = EXPOSURE_MARGIN.min(0.25 * (high - low));
     [if low > 0.0 { low + margin } else { low }, if high < 1.0 { high - margin } else { high }]

@@ -1,11 +1,11 @@
-//! The ground under a bead: is it there, and how deep must the root go?
+//! The surface below a bead: whether it exists, and the root depth that it needs.
 //!
-//! Rays go down on the footprint from above the crown, parallel to the normal of the station they belong to:
+//! Rays are cast down on the footprint from above the crown, parallel to the normal of their station:
 //!
 //! ```text
 //!      |   |   |   |   |        from `lift` above the tangent plane
 //!      |   v---v---v   |
-//!      v--'         '--v        the surface: its sag fixes the root depth
+//!      v--'         '--v        the surface: its sag determines the root depth
 //! ```
 
 use std::f64::consts::PI;
@@ -18,18 +18,18 @@ use crate::bead::BeadProfile;
 use crate::curve::{CurvePoint, WeldCurve};
 use crate::rejection::Rejection;
 
-/// Offsets across the bead, as shares of half its base.
+/// Offsets across the bead, as shares of half the base.
 const ACROSS: [f64; 8] = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0];
 /// Directions of the round ends, in steps of π/6.
 const AROUND: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 /// Largest angle [rad] between the curve's normal and the surface under the bead.
 const MAX_TILT: f64 = 0.8;
-/// Depth kept between the surface and the root, as a share of the bead's height.
+/// Margin between the surface and the root, as a share of the bead's height.
 const ROOT_MARGIN: f64 = 0.1;
-/// Rise of the surface under a toe that is still no wall, as a share of the bead's height.
+/// Greatest rise of the surface under a toe that does not count as a wall, as a share of the bead's height.
 const MAX_RISE: f64 = 0.3;
 
-/// Measures the ground under a bead.
+/// Measurement of the surface below a bead.
 pub(crate) struct Footprint<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) query: &'a MeshQuery,
@@ -37,9 +37,9 @@ pub(crate) struct Footprint<'a> {
 }
 
 impl Footprint<'_> {
-    /// Root depth [m] that puts the whole base under the surface, or why the bead does not fit the ground.
+    /// Returns the root depth [m] that puts the whole base below the surface, or the reason why the bead does not fit.
     ///
-    /// A deeper root makes the base wider, which may need a deeper root still; the height of the bead is the limit.
+    /// A deeper root widens the base, which may require a still deeper root; the height of the bead is the limit.
     pub(crate) fn root_depth(&self, curve: &WeldCurve) -> Result<f64, Rejection> {
         let margin = ROOT_MARGIN * self.profile.height;
         let mut depth = margin;
@@ -56,7 +56,7 @@ impl Footprint<'_> {
         Err(Rejection::DeepRoot)
     }
 
-    /// Largest sag [m] of the ground below the tangent plane under the base of a bead with this root depth.
+    /// Greatest sag [m] of the surface below the tangent plane under the base of a bead with this root depth.
     fn survey(&self, curve: &WeldCurve, depth: f64) -> Result<f64, Rejection> {
         let base = self.profile.half_width_at(depth);
         let stride = (curve.points.len() / 8).clamp(1, 2);
@@ -78,14 +78,14 @@ impl Footprint<'_> {
         Ok(sag)
     }
 
-    /// No wall may stand within the base, seen from half the bead's height.
+    /// Checks that no wall stands within the base, seen from half the bead's height.
     fn beside(&self, point: &CurvePoint, base: f64) -> Result<(), Rejection> {
         let eye = point.position + 0.5 * self.profile.height * point.normal;
         let walled = [point.side, -point.side].iter().any(|side| self.query.occluded(eye, *side, base));
         if walled { Err(Rejection::Wall) } else { Ok(()) }
     }
 
-    /// Height [m] of the ground above the tangent plane at an offset; the sheet must be thicker than the root there.
+    /// Height [m] of the surface above the tangent plane at an offset; the sheet must be thicker than the root there.
     fn ground(&self, point: &CurvePoint, offset: DVec3, depth: f64) -> Result<f64, Rejection> {
         let height = self.profile.height;
         let lift = 1.2 * height;

@@ -1,8 +1,8 @@
 //! Weld curves and beads on triangle meshes, with their ground truth.
 //!
-//! A weld is a curve on the part's surface and a bead swept along it. The curve has a length and a geodesic curvature;
-//! it is traced exactly over the polyhedron, so both are what was asked. The bead is a closed mesh whose base lies
-//! under the surface: the union of part and bead is the welded part.
+//! A weld is a curve on the part's surface and a bead swept along it. The curve has a requested length and geodesic
+//! curvature; it is traced exactly over the polyhedron, so it has both. The bead is a closed mesh whose base lies below
+//! the surface: the union of part and bead is the welded part.
 //!
 //! ```
 //! use glam::DVec3;
@@ -23,13 +23,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! In the order data meets them: [`topology`] (neighbours), [`curvature`] (the steering), [`trace`] (the curve),
-//! [`exposure`] (free sky), [`access`] (room for a tool), [`dials`] (what can be asked), [`request`] (what is asked), [`surface`] (a part made ready),
-//! [`strata`] (where welds may start), [`seam`] (where fillets may run), [`place`] (proposals until one fits), [`curve`] (points with
-//! frames), [`bead`] (sections and the swept mesh).
+//! Modules in the order of processing: [`topology`] (neighbours), [`curvature`] (geodesic curvature), [`trace`] (the
+//! curve), [`exposure`] (free share of the hemisphere), [`access`] (tool access), [`dials`] (accepted requests),
+//! [`request`] (a request), [`surface`] (a prepared part), [`strata`] (possible starts), [`seam`] (possible fillets),
+//! [`place`] (proposals until one fits), [`curve`] (points with frames), [`bead`] (sections and the swept mesh).
 //!
 //! Lengths are in metres, angles in radians, curvatures in 1/m. Vertices of the part must be shared between triangles
-//! and normals must point outwards. This crate never opens a file, never prints, and takes its randomness as a seed;
+//! and normals must point outwards. This crate opens no file, prints nothing, and takes its randomness as a seed;
 //! results do not depend on the number of threads.
 
 pub mod access;

@@ -1,4 +1,4 @@
-//! What stands in the way when nothing fits: each dial is relaxed alone, and what then fits is what the part offers.
+//! Advice if nothing fits: each dial is relaxed alone, and a weld that then fits shows what the part allows.
 
 use crate::bead::BeadProfile;
 use crate::dial_fault::{shown, shown_mm};
@@ -10,10 +10,10 @@ use crate::request::WIDTHS_PER_LENGTH;
 
 /// Proposals tried with one dial relaxed.
 const ATTEMPTS: usize = 96;
-/// Factors of the length and of the width that are tried, from the largest.
+/// Factors on the length and on the width that are tried, largest first.
 const FACTORS: [f64; 6] = [0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
 
-/// A sentence for each dial that lets the weld fit when it alone is relaxed; one that says so when none does.
+/// Returns a sentence for each dial that alone makes the weld fit when relaxed, or one sentence if none does.
 pub(crate) fn offers(search: &Search, wanted: &Wanted, profile: BeadProfile, seed: u64) -> Vec<String> {
     let fits = |wanted: Wanted, profile: BeadProfile| -> Option<Candidate> {
         let proposals = search.proposals(&wanted, profile);

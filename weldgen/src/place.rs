@@ -21,24 +21,25 @@ use crate::stitch::stitched;
 use crate::strata::ExposureField;
 use crate::surface::Surface;
 
-/// What is tried in turn when nothing of the lengths asked fits: factors of the length and of the bead's width and height.
+/// Stages tried in turn if no weld of the requested lengths fits: factors on the length, and on the bead's width and
+/// height.
 ///
-/// The length never falls below three widths. Without leave to shrink, none of it is tried.
+/// The length stays at least three widths. Without permission to shrink, no stage is tried.
 pub const STAGES: [[f64; 2]; 8] =
     [[1.0, 1.0], [0.7, 1.0], [0.5, 1.0], [0.35, 1.0], [0.5, 0.7], [0.35, 0.7], [0.35, 0.5], [0.2, 0.35]];
 
-/// A weld on a part, and how it came about.
+/// A weld on a part, and how it was chosen.
 #[derive(Clone, Debug, Serialize)]
 pub struct Weld {
     /// The centreline.
     pub curve: WeldCurve,
-    /// The bead: closed, normals outwards [m]; drops of spatter are closed bodies beside it.
+    /// The bead's closed mesh, normals outwards [m]; drops of spatter are closed bodies beside it.
     #[serde(skip)]
     pub bead: Mesh,
-    /// What its imperfections take from bead and part: closed bodies [m] to be cut out, normals outwards.
+    /// Closed bodies [m] that imperfections remove from bead and part, normals outwards.
     #[serde(skip)]
     pub cuts: Mesh,
-    /// What it joins.
+    /// Kind of joint.
     pub joint: Joint,
     /// The bead's cross-section.
     pub profile: BeadProfile,
@@ -54,24 +55,24 @@ pub struct Weld {
     pub min_exposure: f64,
     /// Mean tool access along the curve, in [0, 1].
     pub mean_access: f64,
-    /// Imperfections that were asked for, as they were made.
+    /// Requested imperfections, with their actual sizes.
     pub defects: Vec<Defect>,
-    /// Number of the curve that it lies on; the beads of an intermittent weld share one.
+    /// Index of its curve; the beads of an intermittent weld share one.
     pub run: usize,
-    /// The seed it was placed with.
+    /// Seed of its placement.
     pub seed: u64,
-    /// What was asked of all welds like it.
+    /// Request that it was placed for.
     pub request: WeldRequest,
-    /// What was asked of this one.
+    /// Dials drawn for this weld.
     pub wanted: Wanted,
-    /// Proposals dropped before this one.
+    /// Proposals rejected before this one.
     pub dropped: Tally,
-    /// What was chosen and why, in sentences.
+    /// Choices made, with reasons, as sentences.
     pub reasons: Vec<String>,
 }
 
 impl Weld {
-    /// Area [m²] of the tangent planes between the toes, with both round ends: ∫ w ds + π w²/4.
+    /// Area [m²] between the toes in the tangent planes, including both round ends: ∫ w ds + π w²/4.
     pub fn footprint_area(&self) -> f64 {
         let between = self
             .curve
@@ -84,7 +85,7 @@ impl Weld {
     }
 }
 
-/// The dials of one weld, as the seed drew them from the ranges of the request; the length may be a lesser one of its range.
+/// Dials of one weld, drawn with the seed from the request's ranges; the length may be a smaller one of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wanted {
     /// Length of the centreline [m].
@@ -98,22 +99,22 @@ pub struct Wanted {
 /// Chooses a weld curve on a part and sweeps a bead along it.
 ///
 /// - `query`: the same mesh, prepared
-/// - `seed`: another seed gives another weld; the same one gives the same weld for any number of threads
+/// - `seed`: different seeds give different welds; equal seeds give equal welds for any number of threads
 ///
 /// For several welds on one part, prepare a [`Surface`] once and call [`place_weld_on`].
 pub fn place_weld(part: &Mesh, query: &MeshQuery, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
     place_weld_on(&Surface::new(part, query), request, seed)
 }
 
-/// As [`place_weld`], on a prepared part.
+/// [`place_weld`] on a prepared part.
 pub fn place_weld_on(surface: &Surface, request: &WeldRequest, seed: u64) -> Result<Weld, PlaceError> {
     place_beside(surface, request, &[], seed)
 }
 
-/// Several welds on one part that keep `request.gap` from each other; the first is that of [`place_weld_on`].
+/// Places several welds on one part that keep `request.gap` from each other; the first is that of [`place_weld_on`].
 ///
 /// # Errors
-/// When one of them does not fit beside those before it.
+/// If one of them does not fit beside the previous ones.
 pub fn place_welds_on(
     surface: &Surface,
     request: &WeldRequest,
@@ -161,7 +162,7 @@ fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed:
     Err(refused)
 }
 
-/// Refuses what cannot be; else where the part is how open, and the range of it.
+/// Rejects impossible requests. Returns the part's exposure field and its range.
 fn admit(surface: &Surface, request: &WeldRequest) -> Result<(Arc<ExposureField>, [f64; 2]), PlaceError> {
     if surface.area() == 0.0 {
         return Err(PlaceError::NoSurface(surface.part.triangles.len()));
@@ -172,7 +173,7 @@ fn admit(surface: &Surface, request: &WeldRequest) -> Result<(Arc<ExposureField>
     Ok((field, offered))
 }
 
-/// The range asked, and any exposure where it may be relaxed.
+/// The requested exposure range, and the full range if relaxing is allowed.
 fn exposures_to_try(request: &WeldRequest) -> impl Iterator<Item = [f64; 2]> + use<> {
     let any = [0.0, 1.0];
     let second = (request.may_shrink && request.exposure != any).then_some(any);
@@ -187,21 +188,21 @@ fn other_exposure(weld: &Weld, [least, most]: [f64; 2]) -> String {
     )
 }
 
-/// A request on a part, and where its welds may start.
+/// A request on a part, and the possible starts of its welds.
 pub(crate) struct Search<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) request: &'a WeldRequest,
-    /// Where welds are already.
+    /// Welds already placed.
     pub(crate) taken: &'a [Taken],
     pub(crate) field: &'a ExposureField,
-    /// Strata in which to start.
+    /// Strata in which welds may start.
     pub(crate) starts: &'a [u32],
     /// True if the welds follow seams.
     pub(crate) along_seams: bool,
 }
 
 impl Search<'_> {
-    /// Tries stage after stage.
+    /// Tries the stages in order.
     fn place(&self, wanted: &Wanted, seed: u64) -> Result<Weld, PlaceError> {
         let (mut tally, mut longest_run) = (Tally::default(), 0f64);
         let stages = stages(self.request, wanted.length);
@@ -232,7 +233,7 @@ fn finish(
     let request = proposals.search.request;
     let (length, width) = (curve.length(), profile.width);
     let mut reasons = request.reasons.clone();
-    // Any length of the range is what was asked.
+    // Any length within the range is as requested.
     let asked = if length >= request.length[0] * (1.0 - 1e-9) { length } else { wanted.length };
     if asked < wanted.length * (1.0 - 1e-9) {
         let (now, drawn) = (1e3 * length, 1e3 * wanted.length);
@@ -273,7 +274,7 @@ fn finish(
     }
 }
 
-/// What is smaller than asked: length and width [m].
+/// Sentences for a length and width [m] below the requested ones.
 fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
     let mut reasons = Vec::new();
     if length < long * (1.0 - 1e-9) {
@@ -287,7 +288,8 @@ fn shrunk([length, width]: [f64; 2], [long, wide]: [f64; 2]) -> Vec<String> {
     reasons
 }
 
-/// Lengths and sections to try in turn, without repeats: down to the least length asked, then what nobody asked for.
+/// Lengths and sections to try in order, without repeats: first down to the least requested length, then below the
+/// request.
 fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
     let section = |factor: f64| BeadProfile::on_face(request.shape, factor * request.width, factor * request.height);
     let least = request.length[0];
@@ -307,7 +309,7 @@ fn stages(request: &WeldRequest, wanted: f64) -> Vec<(f64, BeadProfile)> {
     stages
 }
 
-/// Whether to follow seams, in the order in which to try.
+/// Placements to try, in order; true for along seams.
 fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
     match request.placement {
         Placement::Surface | Placement::Butt => vec![false],

@@ -1,4 +1,4 @@
-//! Why no weld was placed, and what the part offers instead.
+//! Reason why no weld was placed, and what the part allows instead.
 
 use thiserror::Error;
 
@@ -6,27 +6,27 @@ use crate::bead::BeadError;
 use crate::dial_fault::{DialFault, shown_mm};
 use crate::rejection::Tally;
 
-/// Why no weld was placed.
+/// Reason why no weld was placed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlaceError {
-    /// There is nothing to lay a fillet in.
+    /// The part has no seam for a fillet.
     #[error("the part has no seam: no two of its faces meet in a concave edge of 30° or more; place on the surface")]
     NoSeam,
     /// All faces are inside bodies or turned inwards.
     #[error("the part has no face in the open: all are inside a body or turned inwards (a cleaner mesh is needed)")]
     Hidden,
-    /// The part is nowhere as open or as hidden as was asked.
+    /// The part has no surface with the requested exposure.
     #[error(
         "exposure {:.2} to {:.2} is impossible on this part: it offers {:.2} to {:.2} within {:.2} mm; change the range \
          of exposure",
         asked[0], asked[1], offered[0], offered[1], 1e3 * reach
     )]
     Exposure {
-        /// What was asked.
+        /// Requested range.
         asked: [f64; 2],
-        /// Least and largest exposure of the part's surface.
+        /// Least and greatest exposure of the part's surface.
         offered: [f64; 2],
-        /// What lies farther than this [m] hides nothing.
+        /// Distance beyond which nothing occludes [m].
         reach: f64,
     },
     /// A dial is out of range.
@@ -48,11 +48,11 @@ pub enum PlaceError {
         length: f64,
         /// Width of the last stage [m].
         width: f64,
-        /// Longest run met without an edge in the way [m].
+        /// Longest run found without an edge in the way [m].
         longest_run: f64,
-        /// How many proposals failed for which reason.
+        /// Number of rejected proposals by reason.
         tally: Tally,
-        /// Which dial alone stands in the way, and what the part offers for it, in sentences.
+        /// Dials that alone prevent the weld, with the values that the part allows, as sentences.
         offers: Vec<String>,
     },
 }

@@ -1,4 +1,4 @@
-//! One proposal: a random curve, and every reason why a bead might not fit on it.
+//! A proposal: a random curve, and all checks that a bead fits on it.
 
 use std::f64::consts::TAU;
 
@@ -20,22 +20,22 @@ use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
 
 /// Points of the curve per bead width.
 pub(crate) const POINTS_PER_WIDTH: f64 = 16.0;
-/// Clear run kept beyond each end, in bead widths: the round ends and a little more.
+/// Clear run required beyond each end [bead widths]: the round end and a margin.
 pub(crate) const CLEAR_WIDTHS: f64 = 0.75;
-/// Largest turn [rad] of the surface's normal over half a bead width along the curve.
+/// Greatest rotation [rad] of the surface's normal over half a bead width along the curve.
 const MAX_BEND: f64 = 0.6;
-/// Rays per point while proposals are judged; placed welds are measured with more.
+/// Rays per point while proposals are examined; placed welds are measured with more.
 const JUDGING_RAYS: u32 = 64;
-/// By how much so few rays may miss the exposure.
+/// Greatest error of the exposure with this number of rays.
 const JUDGING_ERROR: f64 = 0.03;
-/// Multiples of it, modulo 1, fill the unit interval evenly.
+/// Its multiples modulo 1 fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
-/// Steps of one trace at most.
+/// Greatest number of steps of one trace.
 pub(crate) const MAX_STEPS: usize = 20_000;
 
-/// Everything that the proposals of one stage share.
+/// Data shared by the proposals of one stage.
 pub(crate) struct Proposals<'a> {
-    /// Part, request, and where welds may start.
+    /// Part, request, and possible starts of welds.
     pub(crate) search: &'a Search<'a>,
     /// The dials of this stage.
     pub(crate) wanted: Wanted,
@@ -43,7 +43,7 @@ pub(crate) struct Proposals<'a> {
     pub(crate) profile: BeadProfile,
 }
 
-/// The ground of a weld that is already there.
+/// Area occupied by a weld that is already placed.
 pub(crate) struct Taken {
     points: Vec<DVec3>,
     half_base: f64,
@@ -60,7 +60,7 @@ impl Taken {
     }
 }
 
-/// A seed from a seed and a number (splitmix64's finaliser).
+/// Derives a seed from a seed and a number (splitmix64's finaliser).
 pub(crate) fn mix(seed: u64, number: usize) -> u64 {
     let z = seed.wrapping_add((number as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -68,10 +68,10 @@ pub(crate) fn mix(seed: u64, number: usize) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Points of a weld's curve.
+/// Point spacing of a weld's curve.
 #[derive(Clone, Copy)]
 pub(crate) struct Layout {
-    /// Steps from its first point to its last.
+    /// Steps from the first point to the last.
     pub(crate) steps: usize,
     /// Arc length of a step [m].
     pub(crate) spacing: f64,
@@ -80,8 +80,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The weld between its clear ends, smoothed over half a bead's width [m] in all; its first point is at `start` [m] of
-    /// the curvature.
+    /// Stretch of the weld between its clear ends, smoothed over a window of half a bead width [m]. Its first point is
+    /// at `start` [m] of the curvature profile.
     pub(crate) fn stretch(self, width: f64, start: f64) -> Stretch {
         let Self { steps, spacing, clear } = self;
         let half_window = (0.25 * width / spacing).round() as usize;
@@ -99,15 +99,15 @@ pub(crate) struct Candidate {
     pub(crate) cuts: Cuts,
 }
 
-/// A proposal that did not.
+/// A rejected proposal.
 pub(crate) struct Refused {
     pub(crate) why: Rejection,
-    /// Clear run found [m], which may be all that was missing.
+    /// Clear run found [m], possibly the only requirement that was missed.
     pub(crate) run: f64,
 }
 
 impl Proposals<'_> {
-    /// The proposal of a number in the sequence of a seed; checks go from cheap to dear.
+    /// Makes the proposal of a number in the sequence of a seed; checks run from cheap to expensive.
     pub(crate) fn propose(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
         if self.search.along_seams {
             return self.propose_fillet(seed, number);
@@ -135,7 +135,7 @@ impl Proposals<'_> {
         Ok(Candidate { curve, bead, root_depth, profile, form, cuts })
     }
 
-    /// What imperfections take away from a bead that was laid.
+    /// Makes the bodies that imperfections remove from a placed bead.
     pub(crate) fn cuts(
         &self,
         curve: &WeldCurve,
@@ -147,12 +147,12 @@ impl Proposals<'_> {
         if laid.overlaps_hang_free() { laid.cuts(&self.search.request.form, rng) } else { Err(Rejection::Wall) }
     }
 
-    /// The section wide enough for all that the bead's form does to it.
+    /// Section that encloses the bead with all its form deviations.
     fn envelope(&self) -> BeadProfile {
         BeadProfile { width: 2.0 * self.search.request.form.half_reach(0.5 * self.profile.width), ..self.profile }
     }
 
-    /// A point and a direction of its tangents; one proposal after the other goes through the strata evenly.
+    /// Draws a start point and a tangent direction; successive proposals cover the strata evenly.
     fn start(&self, seed: u64, number: usize, rng: &mut Pcg64Mcg) -> TraceStart {
         let offset = Pcg64Mcg::seed_from_u64(seed).random::<f64>();
         let turn = (offset + number as f64 * GOLDEN_RATIO).fract();
@@ -166,7 +166,7 @@ impl Proposals<'_> {
         TraceStart { face, barycentric, heading }
     }
 
-    /// Traces both ways from the start until the wanted length and clear ends are there.
+    /// Traces in both directions from the start until the requested length and clear ends are reached.
     fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, Refused> {
         let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
@@ -179,7 +179,7 @@ impl Proposals<'_> {
         };
         let all = shape.limited_to(rms, max, [-0.5 * reach, 0.5 * reach]);
         let behind = self.room_behind(start, &all, (steps + 2 * clear, spacing)).map_err(refuse)?;
-        // Only now is it known which stretch of the profile the weld gets, and what its root mean square is.
+        // Only now the stretch of the profile that the weld covers is known, and therefore its root mean square.
         let first = (clear as f64 - behind as f64) * spacing;
         let curvature = shape.limited_to(rms, max, [first, first + self.wanted.length]);
         let (back, back_end) = self.walk(start, false, &curvature, (behind, spacing));
@@ -192,14 +192,14 @@ impl Proposals<'_> {
         Ok(WeldCurve::frame(&points, self.layout().stretch(self.profile.width, first), &curvature))
     }
 
-    /// How many points of which spacing.
+    /// Number and spacing of the points.
     pub(crate) fn layout(&self) -> Layout {
         let steps = (self.wanted.length / self.profile.width * POINTS_PER_WIDTH).ceil().max(2.0) as usize;
         let spacing = self.wanted.length / steps as f64;
         Layout { steps, spacing, clear: (CLEAR_WIDTHS * self.profile.width / spacing).ceil() as usize }
     }
 
-    /// How many of `steps` points to lay behind the start: half, or more where the way ahead is cut short.
+    /// Number of `steps` points to place behind the start: half, or more if the trace ahead is cut short.
     fn room_behind(
         &self,
         start: TraceStart,
@@ -255,7 +255,8 @@ impl Proposals<'_> {
         if bent { Err(Rejection::Bend) } else { Ok(()) }
     }
 
-    /// Points farther apart than 1.5 bases along the curve must be a base apart in space, and farther from other welds.
+    /// Checks that points farther apart than 1.5 bases along the curve are at least one base apart in space, and that
+    /// other welds are farther away.
     pub(crate) fn keeps_apart(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let base = 2.0 * self.envelope().half_width_at(0.25 * self.profile.height);
         let sparse: Vec<(f64, DVec3)> = curve.points.iter().step_by(4).map(|p| (p.arc_length, p.position)).collect();
@@ -269,7 +270,7 @@ impl Proposals<'_> {
         if self.search.taken.iter().any(near) { Err(Rejection::OtherWeld) } else { Ok(()) }
     }
 
-    /// Just above the curve must be open space.
+    /// Checks that the space just above the curve is open.
     fn lies_outside(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let above = |point: &CurvePoint| point.position + 0.05 * self.profile.height * point.normal;
         let outside = |point: &CurvePoint| self.search.surface.is_open_space(above(point));
@@ -277,7 +278,7 @@ impl Proposals<'_> {
         if curve.points.iter().step_by(stride).all(outside) { Ok(()) } else { Err(Rejection::Inside) }
     }
 
-    /// The least exposure seen with few rays must not be clearly out of range.
+    /// Checks that the least exposure, measured with few rays, is not clearly out of range.
     pub(crate) fn sees_the_sky(&self, curve: &WeldCurve) -> Result<(), Rejection> {
         let settings = self.rays(JUDGING_RAYS);
         let stride = (POINTS_PER_WIDTH / 2.0) as usize;

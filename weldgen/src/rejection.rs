@@ -1,4 +1,4 @@
-//! Why a proposed weld does not fit, and how often.
+//! Reasons why proposals do not fit, and their counts.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -7,21 +7,21 @@ use serde::Serialize;
 
 use crate::trace::TraceEnd;
 
-/// Why one proposal was dropped.
+/// Reason why a proposal was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rejection {
-    /// A sharp edge on both sides leaves too short a run.
+    /// Sharp edges on both sides leave too short a run.
     SharpEdge,
     /// The surface ends on both sides of too short a run.
     Boundary,
-    /// Edges with more than two faces, or faces turned the wrong way, leave too short a run.
+    /// Edges with more than two faces, or faces of opposite orientation, leave too short a run.
     NonManifold,
     /// Faces without area, or too many faces in the way.
     BadFaces,
     /// The surface bends too tightly along the curve.
     Bend,
-    /// The curve comes back to itself.
+    /// The curve comes too close to itself.
     OwnPass,
     /// A hole or a cliff under the bead.
     Hole,
@@ -31,30 +31,30 @@ pub enum Rejection {
     Tilt,
     /// The surface curves away so much that the root would be too deep.
     DeepRoot,
-    /// The part is too thin here for the root.
+    /// The part is too thin for the root.
     Thin,
-    /// The part is too thick here to burn through.
+    /// The part is too thick to burn through.
     Thick,
-    /// The surface is hollow along a butt joint.
+    /// The surface is concave along a butt joint.
     Hollow,
-    /// On a face that is hidden inside the part or turned inwards.
+    /// The face is hidden inside the part or turned inwards.
     Inside,
-    /// Too little free sky.
+    /// Exposure below the range.
     Exposure,
-    /// Too much free sky.
+    /// Exposure above the range.
     TooOpen,
-    /// Too few poses of the tool are free.
+    /// Too few tool poses without collision.
     Access,
-    /// Facing down, while another fits that does not.
+    /// Facing down, while a proposal that does not face down fits.
     Overhead,
-    /// Too near to another weld.
+    /// Too close to another weld.
     OtherWeld,
     /// Neighbouring sections of the bead would cross.
     Fold,
 }
 
 impl Rejection {
-    /// The rejection of a run that was cut short by `end`.
+    /// Rejection of a run that was cut short by `end`.
     pub(crate) fn cut_short(end: TraceEnd) -> Self {
         match end {
             TraceEnd::Sharp => Self::SharpEdge,
@@ -65,7 +65,7 @@ impl Rejection {
         }
     }
 
-    /// What happened, and the dial that changes it.
+    /// Explanation, with the dial that changes it.
     fn explain(self) -> &'static str {
         match self {
             Self::SharpEdge => {
@@ -96,7 +96,7 @@ impl Rejection {
     }
 }
 
-/// How many proposals failed for which reason.
+/// Number of rejected proposals by reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally(BTreeMap<Rejection, usize>);
 
@@ -105,19 +105,19 @@ impl Tally {
         *self.0.entry(rejection).or_default() += 1;
     }
 
-    /// Number of proposals dropped.
+    /// Number of rejected proposals.
     pub fn total(&self) -> usize {
         self.0.values().sum()
     }
 
-    /// Number of proposals dropped for one reason.
+    /// Number of proposals rejected for one reason.
     pub fn of(&self, rejection: Rejection) -> usize {
         self.0.get(&rejection).copied().unwrap_or(0)
     }
 }
 
 impl fmt::Display for Tally {
-    /// The reasons, commonest first.
+    /// Writes the reasons, most frequent first.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut rows: Vec<(Rejection, usize)> = self.0.iter().map(|(reason, count)| (*reason, *count)).collect();
         rows.sort_by_key(|&(reason, count)| (std::cmp::Reverse(count), reason));

@@ -1,4 +1,4 @@
-//! What is asked of a weld: the dials.
+//! A request for a weld: its dials.
 
 use sdf_bake::Mesh;
 use serde::{Deserialize, Serialize};
@@ -11,33 +11,33 @@ use crate::dials::{
     LEAST_ACCESS, LENGTH, OVERLAP, STITCH_LENGTH, STITCH_PITCH, TOOL_RADIUS, TOOL_WIDTH, Unit, WIDTH,
 };
 
-/// The voxel that [`WeldRequest::for_part`] is usually given is the part's diagonal over this.
+/// Voxels per diagonal of the part, for the voxel that is usually given to [`WeldRequest::for_part`].
 pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
 
-/// A bead narrower than this many voxels is not resolved by the bake.
+/// Least bead width that baking resolves [voxels].
 const VOXELS_PER_WIDTH: f64 = 12.0;
-/// Width [m] of an ordinary bead.
+/// Width of an ordinary bead [m].
 const ORDINARY_WIDTH: f64 = 0.010;
-/// Largest root mean square of the curvature, in its maximum: a limited curve comes no nearer.
+/// Greatest ratio of the curvature's root mean square to its maximum; a limited curve comes no closer.
 const MOST_RMS: f64 = 0.95;
-/// Least length of a weld, in bead widths.
+/// Least length of a weld [bead widths].
 pub(crate) const WIDTHS_PER_LENGTH: f64 = 3.0;
 
-/// How hard a weld is to finish: a preset of all dials.
+/// Difficulty of finishing a weld: a preset of all dials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Difficulty {
-    /// Short, nearly straight, in the open.
+    /// Short, nearly straight, freely accessible.
     Easy,
-    /// What [`WeldRequest::for_part`] gives.
+    /// The preset of [`WeldRequest::for_part`].
     #[default]
     Medium,
-    /// Long, winding, where the part hides much of the sky if it does anywhere.
+    /// Long and winding, with low exposure if the part has any such place.
     Hard,
 }
 
 impl Difficulty {
-    /// Ranges of length [diagonals], RMS of κ_g [1/diagonal] and exposure, and the largest κ_g [1/diagonal].
+    /// Ranges of length [diagonals], RMS of κ_g [1/diagonal] and exposure, and the greatest κ_g [1/diagonal].
     fn dials(self) -> ([[f64; 2]; 3], f64) {
         match self {
             Self::Easy => ([[0.15, 0.3], [0.0, 1.0], [0.8, 1.0]], 3.0),
@@ -47,70 +47,71 @@ impl Difficulty {
     }
 }
 
-/// Where a weld runs.
+/// Location of a weld.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Placement {
-    /// On smooth ground.
+    /// On a smooth surface.
     #[default]
     Surface,
-    /// In a concave crease, as a fillet weld; the geometry of the crease gives the curvature.
+    /// In a concave edge, as a fillet weld; the geometry of the edge gives the curvature.
     Seam,
-    /// Where a plane cuts smooth ground that is nowhere hollow, as a butt joint of two halves; the part gives the curvature.
+    /// Along a plane cut through a smooth surface without concave edges, as a butt joint of two halves; the part gives
+    /// the curvature.
     Butt,
-    /// In a crease or on smooth ground, as the seed has it; on the other where the one has no room.
+    /// Along a seam or on a smooth surface, drawn with the seed; on the other if the first has no space.
     Mixed,
 }
 
-/// What a weld joins.
+/// Kind of joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Joint {
-    /// Nothing: a bead on a plate.
+    /// A bead on a plate, without a joint.
     BeadOnPlate,
-    /// Two walls of a corner, by a fillet weld.
+    /// A fillet weld between two walls of a corner.
     Fillet,
-    /// Two halves that meet in a plane, by a butt weld.
+    /// A butt weld between two halves that meet in a plane.
     Butt,
 }
 
-/// An intermittent weld.
+/// Dimensions of an intermittent weld.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stitch {
     /// Length of a bead [m].
     pub length: f64,
-    /// Distance from the start of a bead to that of the next [m].
+    /// Distance from the start of one bead to the start of the next [m].
     pub pitch: f64,
 }
 
-/// What is asked of a weld. Ranges are inclusive; the seed draws from those of length and curvature.
+/// Request for a weld. Ranges are inclusive; length and curvature are drawn from theirs with the seed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeldRequest {
     /// Length of the centreline [m].
     pub length: [f64; 2],
     /// Root mean square of the geodesic curvature over the curve [1/m].
     pub curvature_rms: [f64; 2],
-    /// Largest geodesic curvature [1/m]; the root mean square must stay below 0.95 of it.
+    /// Greatest geodesic curvature [1/m]; the root mean square must stay below 0.95 of it.
     pub curvature_max: f64,
-    /// Correlation length of the geodesic curvature [m]; `None` takes half the length of the weld.
+    /// Correlation length of the geodesic curvature [m]; `None` for half the length of the weld.
     pub correlation: Option<f64>,
     /// Width of the bead [m].
     pub width: f64,
     /// Height of the bead [m].
     pub height: f64,
-    /// Where the weld runs.
+    /// Location of the weld.
     pub placement: Placement,
     /// Cross-section of a weld on a face.
     pub shape: BeadShape,
-    /// Rise of a fillet's face above the chord between its toes, in widths; below 0 it is concave.
+    /// Rise of a fillet's face above the chord between its toes [widths]; concave below 0.
     pub convexity: f64,
-    /// Ripples, craters and the like.
+    /// Form deviations, such as ripples and craters.
     pub form: FormRequest,
-    /// Beads of this length, this far apart from start to start [m], instead of one along the whole curve.
+    /// Intermittent weld with beads of this length and pitch [m], instead of one bead along the whole curve.
     pub stitch: Option<Stitch>,
-    /// Least exposure along the curve, in [0, 1].
+    /// Range of the least exposure along the curve, in [0, 1].
     pub exposure: [f64; 2],
-    /// What lies farther than this [m] hides nothing.
+    /// Distance beyond which nothing occludes [m].
     pub exposure_reach: f64,
     /// The tool whose access is measured.
     pub tool: ToolShape,
@@ -118,30 +119,30 @@ pub struct WeldRequest {
     pub min_access: f64,
     /// Edges whose normals differ by more than this [rad] are not crossed.
     pub sharp_angle: f64,
-    /// Distance [m] kept from other welds, from base to base.
+    /// Distance to other welds, from base to base [m].
     pub gap: f64,
     /// Proposals tried at each stage.
     pub attempts: usize,
-    /// Whether less may be tried when nothing fits: another exposure, a shorter weld, then a smaller bead (see
+    /// True if less may be tried when nothing fits: a different exposure, a shorter weld, then a smaller bead (see
     /// [`crate::place::STAGES`]).
     pub may_shrink: bool,
-    /// What was chosen by default, and why, in sentences.
+    /// Default choices, with reasons, as sentences.
     pub reasons: Vec<String>,
 }
 
 impl WeldRequest {
-    /// [`WeldRequest::of_difficulty`], medium.
+    /// Request of medium difficulty from [`WeldRequest::of_difficulty`].
     pub fn for_part(part: &Mesh, voxel: f64) -> Self {
         Self::of_difficulty(part, voxel, Difficulty::Medium)
     }
 
-    /// Dials that suit a part.
+    /// Request with dials suited to a part.
     ///
-    /// - `voxel`: voxel [m] of the bake to come; diagonal / [`VOXELS_PER_DIAGONAL`] when undecided
+    /// - `voxel`: voxel [m] of the later baking; diagonal / [`VOXELS_PER_DIAGONAL`] if undecided
     ///
-    /// The bead is 10 mm wide, or 1/20 of the diagonal where that is less, but never narrower than 12 voxels; it is 0.3
-    /// times as high as wide. Lengths are shares of the diagonal, and at least three widths; curvatures are
-    /// multiples of 1/diagonal, and at most half of 1/width.
+    /// The bead is 10 mm wide, or 1/20 of the diagonal if that is less, but at least 12 voxels; its height is 0.3 times
+    /// its width. Lengths are shares of the diagonal, and at least three widths. Curvatures are multiples of
+    /// 1/diagonal, and at most half of 1/width.
     pub fn of_difficulty(part: &Mesh, voxel: f64, difficulty: Difficulty) -> Self {
         let diagonal = part.diagonal();
         let ([lengths, curvatures, exposure], sharpest) = difficulty.dials();
@@ -183,7 +184,7 @@ impl WeldRequest {
         }
     }
 
-    /// Checks every dial, before a part is looked at.
+    /// Checks every dial before the part is examined.
     ///
     /// # Errors
     /// The first dial that is out of range.
@@ -253,25 +254,25 @@ impl WeldRequest {
     }
 }
 
-/// Dials of a request that no user sets; rows for its checks alone.
+/// Dial of the sharp angle, which users cannot set; used for checks only.
 const SHARP_ANGLE: Dial = Dial { name: "sharp angle", key: "", unit: Unit::One, range: ABOVE_ZERO };
 const GAP: Dial = Dial { name: "gap", key: "", unit: Unit::Length, range: ABOVE_ZERO };
 const ATTEMPTS: Dial = Dial { name: "number of attempts", key: "", unit: Unit::One, range: ABOVE_ZERO };
 
-/// The check of a dial by its row of the table.
+/// Checks a dial against its row of the table.
 fn plain(dial: &Dial, value: f64) -> DialCheck {
     (dial.name, dial.shown(value), dial.accepts(value), dial.accepted())
 }
 
-/// A check of a dial against others.
+/// Checks a dial against others.
 fn related(dial: &Dial, value: f64, good: bool, want: &str) -> DialCheck {
     (dial.name, dial.shown(value), good, want.to_owned())
 }
 
-/// A dial's name, its value, whether that is good, and what would be.
+/// Name of a dial, its value, true if it is accepted, and the accepted values.
 type DialCheck = (&'static str, String, bool, String);
 
-/// Width [m] of a bead that suits a part, and why.
+/// Bead width [m] suited to a part, and the reason.
 fn bead_width(diagonal: f64, voxel: f64) -> (f64, String) {
     let small = ORDINARY_WIDTH.min(diagonal / 20.0);
     let width = small.max(VOXELS_PER_WIDTH * voxel);

@@ -1,4 +1,4 @@
-//! Seams: concave creases between faces or bodies, chained into lines along which a fillet weld can run.
+//! Seams: concave edges between faces or bodies, chained into lines along which a fillet weld can run.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -11,20 +11,20 @@ use crate::trace::TracePoint;
 
 /// Least angle [rad] between the normals of the two faces of a seam.
 const LEAST_TURN: f64 = 0.52;
-/// Largest change of direction [rad] from edge to edge of one seam.
+/// Greatest change of direction [rad] between consecutive edges of one seam.
 const LARGEST_BEND: f64 = 0.52;
 
 /// One edge of a seam.
 #[derive(Clone, Copy, Debug)]
 struct SeamEdge {
-    /// The triangle to its left, which walks it forwards, and the edge's index there.
+    /// The triangle to its left, which runs along it forwards, and the edge's index in that triangle.
     face: u32,
     edge: u8,
     ends: [u32; 2],
     length: f64,
     /// Unit bisector of the two normals.
     normal: DVec3,
-    /// Angle between the faces through the open side [rad].
+    /// Angle between the faces, measured through open space [rad].
     opening: f64,
 }
 
@@ -32,13 +32,13 @@ struct SeamEdge {
 #[derive(Clone, Debug)]
 pub struct Seam {
     edges: Vec<SeamEdge>,
-    /// Arc length at the start of each edge, and the whole [m].
+    /// Arc length at the start of each edge, and the total [m].
     starts: Vec<f64>,
-    /// Whether it comes back to its start.
+    /// True if it returns to its start.
     pub closed: bool,
 }
 
-/// All seams of a part, in the order of their first triangle.
+/// Finds all seams of a part, in the order of their first triangle.
 pub fn find_seams(mesh: &Mesh, topology: &Topology) -> Vec<Seam> {
     let edges = concave_edges(mesh, topology);
     let mut at_vertex: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -69,7 +69,7 @@ pub fn find_seams(mesh: &Mesh, topology: &Topology) -> Vec<Seam> {
     seams
 }
 
-/// The free edge that goes on from the end of another without a corner, if there is exactly one candidate.
+/// Returns the unused edge that continues from the end of another without a corner, if there is exactly one candidate.
 fn follower(
     mesh: &Mesh,
     edges: &[SeamEdge],
@@ -117,12 +117,12 @@ impl Seam {
         Self { edges, starts, closed }
     }
 
-    /// Arc length [m].
+    /// Total arc length [m].
     pub fn length(&self) -> f64 {
         self.starts[self.edges.len()]
     }
 
-    /// Largest and least angle between the faces [rad] over a stretch [m].
+    /// Least and greatest angle between the faces [rad] over a stretch [m].
     pub fn openings(&self, [from, to]: [f64; 2]) -> [f64; 2] {
         let inside = |i: &usize| self.starts[*i + 1] > from && self.starts[*i] < to;
         let wraps = |i: &usize| self.closed && self.starts[*i] < to - self.length();
@@ -130,7 +130,7 @@ impl Seam {
         openings.fold([f64::INFINITY, 0.0], |[low, high], opening| [low.min(opening), high.max(opening)])
     }
 
-    /// The point at an arc length [m]; beyond the end of a closed seam it goes round again.
+    /// Returns the point at an arc length [m]; beyond the end of a closed seam it wraps around.
     pub fn point_at(&self, mesh: &Mesh, s: f64) -> TracePoint {
         let s = if self.closed { s.rem_euclid(self.length()) } else { s.clamp(0.0, self.length()) };
         let index = self.starts.partition_point(|start| *start <= s).clamp(1, self.edges.len()) - 1;

@@ -1,10 +1,10 @@
-//! Imperfections that were asked for and that the part has no room for.
+//! Requested imperfections that do not fit on the part.
 
 use crate::bead::DefectKind;
 use crate::place::Weld;
 
 impl Weld {
-    /// Which imperfections are fewer than was asked, and why, in sentences.
+    /// Sentences for imperfections that are fewer than requested, with reasons.
     pub fn shortfalls(&self) -> Vec<String> {
         let form = &self.request.form;
         let one = |share: f64| u32::from(share > 0.0);

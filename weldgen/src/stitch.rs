@@ -1,4 +1,4 @@
-//! Intermittent welds: one curve, several beads.
+//! Intermittent welds: several beads on one curve.
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -12,9 +12,9 @@ use crate::propose::mix;
 use crate::request::Stitch;
 use crate::surface::Surface;
 
-/// The beads of an intermittent weld on the curve of a continuous one, each to the curve's next point.
+/// Divides a continuous weld into the beads of an intermittent weld; each bead ends at a point of the curve.
 ///
-/// What should be cut out of one and finds no ground there is left out.
+/// Imperfections to be cut out of a bead are omitted if its surface does not allow them.
 pub(crate) fn stitched(weld: &Weld, stitch: Stitch, surface: &Surface) -> Result<Vec<Weld>, BeadError> {
     let spacing = weld.length / (weld.curve.points.len() - 1) as f64;
     let steps = |length: f64| (length / spacing).round() as usize;

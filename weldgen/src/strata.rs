@@ -1,28 +1,29 @@
-//! Where on a part a weld may start: its surface in strata of equal area, each with its exposure.
+//! Possible starts of welds on a part: its surface in strata of equal area, each with its exposure.
 
 use rayon::prelude::*;
 
 use crate::exposure::{ExposureRays, exposure};
 use crate::surface::Surface;
 
-/// Strata of a part.
+/// Number of strata of a part.
 const STRATA: usize = 512;
-/// Rays for each stratum: a first guess, welds are measured with more.
+/// Rays per stratum, for a first estimate; welds are measured with more.
 const RAYS: u32 = 32;
-/// Distance above the surface at which rays start, in diagonals of the part.
+/// Height above the surface at which rays start [diagonals of the part].
 const LIFT: f64 = 1e-4;
-/// By how much the exposure of a start may miss that of the weld: it lies elsewhere in the stratum, and rays are few.
+/// Tolerance between the exposure of a start and that of the weld, which lies elsewhere in the stratum; few rays are
+/// used.
 const SLACK: f64 = 0.1;
 
-/// Exposure of one place in each stratum; `None` where the surface is inside another body or turned inwards.
+/// Exposure of one point in each stratum; `None` if the surface is inside another body or turned inwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureField {
-    /// In order of the running area; each stratum has the same share of it.
+    /// In order of cumulative area; all strata have equal area.
     pub strata: Vec<Option<f64>>,
 }
 
 impl ExposureField {
-    /// Measures the middle of each stratum.
+    /// Measures one point within each stratum.
     pub(crate) fn measure(surface: &Surface, reach: f64) -> Self {
         let lift = LIFT * surface.part.diagonal();
         let settings = ExposureRays { reach, lift, rays: RAYS };
@@ -40,7 +41,7 @@ impl ExposureField {
         Self { strata: (0..STRATA).into_par_iter().map(of_stratum).collect() }
     }
 
-    /// Least and largest exposure found; `None` when no place is outside.
+    /// Least and greatest exposure; `None` if no point is outside.
     pub fn range(&self) -> Option<[f64; 2]> {
         let grow = |[low, high]: [f64; 2], e: [f64; 2]| [low.min(e[0]), high.max(e[1])];
         self.strata.iter().flatten().map(|&exposure| [exposure; 2]).reduce(grow)
@@ -48,15 +49,15 @@ impl ExposureField {
 
     /// Strata in which a weld whose least exposure is within a range may start.
     ///
-    /// The weld may dip where it goes, so only starts below the range are left out, and those so far above it that
-    /// nothing near is likely to be within.
+    /// The exposure may fall along the weld, so only starts below the range are omitted, and those so far above it that
+    /// no nearby weld is likely to be within.
     pub(crate) fn starts(&self, [low, high]: [f64; 2]) -> Vec<u32> {
         let fits = |exposure: f64| (low - SLACK..=high + SLACK).contains(&exposure);
         let within = |&i: &u32| self.strata[i as usize].is_some_and(fits);
         (0..self.strata.len() as u32).filter(within).collect()
     }
 
-    /// The running area, as a share in [0, 1), at a place within a stratum.
+    /// Cumulative share of the area, in [0, 1), at a position within a stratum.
     pub(crate) fn share(&self, stratum: u32, within: f64) -> f64 {
         (f64::from(stratum) + within) / self.strata.len() as f64
     }

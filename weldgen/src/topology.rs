@@ -1,33 +1,33 @@
-//! Who is whose neighbour: each triangle's three edges and what lies across them.
+//! Mesh topology: each triangle's three edges and their neighbours.
 
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// What lies across an edge of a triangle.
+/// Neighbour across an edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Across {
-    /// Exactly one other triangle, turned the same way round.
+    /// Exactly one other triangle, of the same orientation.
     Face {
         /// Index of the triangle.
         face: u32,
-        /// Which of its edges this is: 0, 1 or 2.
+        /// Index of this edge in it: 0, 1 or 2.
         edge: u8,
-        /// Angle between the two normals [rad]: positive over a convex edge, negative in a concave one, 0 when flat.
+        /// Angle between the two normals [rad]: positive over a convex edge, negative over a concave one, 0 if flat.
         turn: f64,
     },
     /// Nothing: the surface ends here.
     Boundary,
-    /// More than one other triangle, or one that is turned the other way round.
+    /// More than one other triangle, or one of opposite orientation.
     NonManifold,
 }
 
 /// The edges of a mesh, per triangle.
 ///
-/// Edge `e` of a triangle runs from its corner `e` to its corner `(e + 1) % 3`. Vertices must be shared: triangles
-/// that only touch at equal coordinates are not neighbours.
+/// Edge `e` of a triangle runs from its corner `e` to its corner `(e + 1) % 3`. Vertices must be shared: triangles that
+/// only touch at equal coordinates are not neighbours.
 #[derive(Clone, Debug)]
 pub struct Topology {
-    /// What lies across each edge, shape `[m, 3]`.
+    /// Neighbour across each edge, shape `[m, 3]`.
     pub across: Vec<[Across; 3]>,
 }
 
@@ -59,11 +59,11 @@ struct Side {
     vertices: [u32; 2],
     face: u32,
     edge: u8,
-    /// Whether the triangle walks the edge from the higher index to the lower.
+    /// True if the triangle runs along the edge from the higher index to the lower.
     reversed: bool,
 }
 
-/// All sides of all triangles in order: by counting up to the lower vertex, by comparing within it.
+/// Returns all sides of all triangles in order: counting sort up to the lower vertex, comparison within it.
 fn sorted_sides(mesh: &Mesh) -> Vec<Side> {
     let all = || mesh.triangles.iter().zip(0..).flat_map(|(corners, face)| sides(*corners, face));
     let mut ends = vec![0usize; mesh.positions.len() + 1];
@@ -93,7 +93,7 @@ fn sides(corners: [u32; 3], face: u32) -> [Side; 3] {
     })
 }
 
-/// Signed angle [rad] from one triangle's normal to the other's about their edge, as the first one walks it.
+/// Signed angle [rad] from one triangle's normal to the other's about their edge, in the first triangle's direction.
 fn turn(mesh: &Mesh, here: Side, [one, other]: [DVec3; 2]) -> f64 {
     let [from, to] = edge_ends(mesh, here.face, here.edge);
     one.cross(other).dot((to - from).normalize_or_zero()).atan2(one.dot(other))

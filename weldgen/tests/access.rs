@@ -1,4 +1,4 @@
-//! Tool access where it can be told by hand.
+//! Tool access in cases with known results.
 
 mod shapes;
 
@@ -49,14 +49,14 @@ fn on_an_open_floor_every_pose_is_free() {
 fn a_wall_takes_the_poses_that_reach_into_it() {
     let mut part = floor();
     part.append(&cuboid(DVec3::new(-1.0, -0.1, -0.1), DVec3::new(1.0, 0.0, 0.5)));
-    // 20 mm from the wall: a wheel along the wall fits upright, one across it, 100 mm in diameter, does not.
+    // 20 mm from the wall: a wheel parallel to the wall fits upright; one across it, 100 mm in diameter, does not.
     let near = mean(&part, 0.02, ToolKind::Wheel, 0.05, 0.01);
     let far = mean(&part, 0.2, ToolKind::Wheel, 0.05, 0.01);
     assert_eq!(far, 1.0);
     assert!((1.0 / 18.0..0.5).contains(&near), "{near}");
     let small = mean(&part, 0.02, ToolKind::Wheel, 0.01, 0.004);
     assert!(small > near, "a smaller wheel gets at more: {small}, {near}");
-    // A pad of 50 mm leaning with its far rim to the wall fits; leaning away, its disc is in the wall.
+    // A pad of 50 mm that leans with its far rim to the wall fits; leaning away, its disc is in the wall.
     let pad = mean(&part, 0.02, ToolKind::Pad, 0.05, 0.01);
     assert!((1.0 / 6.0..0.9).contains(&pad), "{pad}");
 }

@@ -1,4 +1,4 @@
-//! Swept beads against closed forms.
+//! Compares swept beads with closed forms.
 
 mod shapes;
 
@@ -47,7 +47,8 @@ fn circular(length: f64, curvature: f64, count: u32) -> WeldCurve {
     WeldCurve { points: (0..=count).map(point).collect() }
 }
 
-/// Every edge is shared by exactly two triangles that walk it in opposite directions; one component of genus 0.
+/// Checks that every edge is shared by exactly two triangles that run along it in opposite directions, and that there
+/// is one component of genus 0.
 fn assert_is_a_closed_ball(mesh: &Mesh) {
     let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
     for t in &mesh.triangles {
@@ -109,7 +110,7 @@ fn on_flat_ground_the_footprint_is_exactly_as_wide_as_the_bead() {
     let toes = mesh.positions.iter().filter(|p| p.z.abs() < 1e-15);
     let (low, high) = toes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
     assert!((high.y - 0.005).abs() < 1e-15 && (low.y + 0.005).abs() < 1e-15);
-    // The round ends reach half a width beyond the curve.
+    // The round ends extend half a width beyond the curve.
     assert!((high.x - 0.105).abs() < 1e-15 && (low.x + 0.005).abs() < 1e-15);
     let crown = mesh.positions.iter().map(|p| p.z).fold(0.0, f64::max);
     let root = mesh.positions.iter().map(|p| p.z).fold(0.0, f64::min);
@@ -179,7 +180,7 @@ fn every_shape_on_a_face_has_its_width_height_toe_angle_and_volume() {
         assert_is_a_closed_ball(&mesh);
         let missing = 1.0 - mesh.volume() / profile.swept_volume(0.1, ROOT);
         assert!((-1e-3..3e-3).contains(&missing), "{shape:?}: {missing} of the volume is missing");
-        // The area by a sum over heights and not over the polygon.
+        // The area as a sum over heights instead of a polygon.
         let count = 4000;
         let strip = |i: i32| {
             let y = profile.half_width_at(ROOT) * (f64::from(i) + 0.5) / f64::from(count);
@@ -222,7 +223,7 @@ fn every_form_keeps_the_bead_closed_and_its_toes_on_the_surface() {
             let across = |y: f64, z: f64| tree.winding_number(DVec3::new(s, form.shift(s) + y, z));
             assert!(across(0.97 * toe, 2e-5) > 0.9 && across(1.03 * toe, 2e-5) < 0.1, "{name}: the toe is off at {s}");
             let crown = PROFILE.height * form.relief(s, 0.0);
-            // Between two stations the rim of a pore is cut short by a chord.
+            // Between two stations the rim of a pore is cut by a chord.
             let rim =
                 [-7e-4, 7e-4].iter().any(|step| (form.relief(s + step, 0.0) / form.relief(s, 0.0) - 1.0).abs() > 0.06);
             if rim {
@@ -265,7 +266,7 @@ fn toes_are_rounded_to_the_radius_asked() {
     let step = 1e-6;
     let bend = (x(step) - 2.0 * x(0.0) + x(-step)) / (step * step);
     assert!((1.0 / bend / radius - 1.0).abs() < 1e-3, "{}", 1.0 / bend);
-    // In the field: the bisector of a straight bead's toe is filled up to there.
+    // In the field: the bisector of a straight bead's toe is filled up to that point.
     let plate = shapes::cuboid(DVec3::new(-0.02, -0.02, -0.01), DVec3::new(0.12, 0.02, 0.0));
     let options = BakeOptions { band_voxels: 4.0, ..BakeOptions::with_voxel(0.25e-3) };
     let field = |mesh: &Mesh| bake(mesh, &options).unwrap().0;

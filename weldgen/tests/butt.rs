@@ -1,4 +1,4 @@
-//! Butt joints: the weld lies where a plane cuts ground that is nowhere hollow.
+//! Butt joints: the weld lies on a plane cut through a surface without concave edges.
 
 mod shapes;
 
@@ -28,7 +28,7 @@ fn the_weld_lies_in_one_plane_and_is_as_long_as_asked() {
             let points = &weld.curve.points;
             let chords: f64 = points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
             assert!((chords / 0.1 - 1.0).abs() < 1e-3, "the chords sum to {chords}");
-            // The cutting plane holds the start, which is within the weld, and the normal there.
+            // The cutting plane contains the start, which is within the weld, and the normal there.
             let (first, last) = (points[0].position, points[points.len() - 1].position);
             let middle = &points[points.len() / 2];
             let square = (last - first).cross(middle.position - first);
@@ -51,7 +51,7 @@ fn around_a_ball_the_cut_through_its_axis_is_the_great_circle() {
     assert_eq!((trace.end, trace.points.len()), (TraceEnd::Length, 201));
     assert!(trace.crossings > 200);
     let gap = trace.points[200].position.distance(trace.points[0].position);
-    // The tessellation's circle is shorter.
+    // The tessellated circle is shorter.
     assert!(gap < 1e-3 * round, "it misses its start by {gap}");
     for point in &trace.points {
         assert!((point.position.length() / 0.1 - 1.0).abs() < 1e-3);

@@ -1,4 +1,4 @@
-//! Exposure against closed forms.
+//! Compares exposure with closed forms.
 
 mod shapes;
 

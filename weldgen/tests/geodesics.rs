@@ -1,4 +1,4 @@
-//! Ends of long geodesics against a reference of about 32 digits.
+//! Compares ends of long geodesics with a reference of about 32 digits.
 
 #[path = "../../sdf-bake/tests/common/parts.rs"]
 mod parts;
@@ -13,7 +13,7 @@ use weldgen::curvature::CurvatureProfile;
 use weldgen::topology::Topology;
 use weldgen::trace::{TraceEnd, TraceLimits, TraceStart, trace};
 
-/// A start within a triangle, evenly over the triangles.
+/// A random start within a triangle, evenly over the triangles.
 fn start(mesh: &Mesh, numbers: &mut Numbers) -> TraceStart {
     let face = (numbers.next() * mesh.triangles.len() as f64) as u32;
     let [a, b, c] = [0, 1, 2].map(|_| 0.1 + numbers.next());

@@ -1,4 +1,4 @@
-//! Imperfections are where the truth says, as large as it says.
+//! Imperfections agree with the ground truth in position and size.
 
 mod shapes;
 
@@ -54,7 +54,7 @@ fn an_overlap_hangs_over_its_toe_as_far_as_it_says() {
         assert!(inside(0.96 * rim, 0.25 * 0.0024), "no metal hangs over");
         assert!(!inside(1.03 * rim, 0.25 * 0.0024), "it hangs over too far");
         assert!(!inside(0.96 * rim, 0.05 * 0.0024), "there is no gap below");
-        // The other toe is as it was.
+        // The other toe is unchanged.
         assert!(!inside(-0.0041, 0.25 * 0.0024));
     }
 }
@@ -74,7 +74,7 @@ fn an_undercut_is_a_groove_of_its_depth_and_length_beside_a_toe() {
             assert!((defect.depth - 0.3 * weld.profile.height).abs() < 1e-15);
             let half_groove = defect.offset.abs() - 0.5 * weld.profile.width;
             assert!((0.105 * 0.008..=0.15 * 0.008 + 1e-9).contains(&half_groove), "{half_groove}");
-            // From the toe outwards over the face: the deepest place.
+            // From the toe outwards over the face: the deepest point.
             let toe = (0.5 * weld.profile.width).copysign(defect.offset) * point.side;
             let foot = query.closest(point.position + toe + weld.profile.toe_height * point.normal);
             let up = part.normal(foot.triangle as usize);
@@ -184,7 +184,7 @@ fn as_many_drops_are_made_as_asked_and_a_part_without_room_for_them_says_so() {
         assert_eq!((drops(&weld), weld.shortfalls()), (5, Vec::new()), "seed {seed}");
         assert_closed(&weld.bead);
     }
-    // Truth that lacks drops says which, whatever the part.
+    // Ground truth with missing drops reports them, whatever the part.
     let mut weld = place_weld(&plate, &MeshQuery::new(&plate), &request(&plate, form), 1).unwrap();
     weld.defects.truncate(3);
     assert!(weld.shortfalls()[0].contains("3 of 5 drops of spatter were made"), "{:?}", weld.shortfalls());

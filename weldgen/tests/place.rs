@@ -1,4 +1,4 @@
-//! Placed welds on shapes of our own: what was asked is what was got.
+//! Placed welds on synthetic shapes have the requested properties.
 
 mod shapes;
 
@@ -22,8 +22,9 @@ fn place(part: &Mesh, request: &WeldRequest, seed: u64) -> Weld {
 
 #[test]
 fn length_and_curvature_are_what_was_asked() {
-    // On flat triangles a tangent lies in its triangle and the side in the smoothed surface: what turns is known to 2 %. On
-    // a plate both are the curve's own; tangents are averaged over half a width, which a narrower bead makes shorter.
+    // On flat triangles the tangent is in the triangle's plane and the side is in the smoothed surface, so the turning
+    // rate is known to 2 %. On a plate both belong to the curve itself; tangents are averaged over half a width, which
+    // is shorter for a narrower bead.
     let plate = cuboid(DVec3::ZERO, DVec3::new(0.5, 0.4, 0.03));
     for (part, turning, narrow) in [(icosphere(0.2, 4), 0.02, 1.0), (closed_tube(), 0.02, 1.0), (plate, 0.01, 0.6)] {
         for seed in 1..=5 {
@@ -43,7 +44,7 @@ fn length_and_curvature_are_what_was_asked() {
     }
 }
 
-/// Root mean square of the rate at which the tangents turn towards the side [1/m], whatever the curve states.
+/// Root mean square of the rate at which the tangents turn towards the side [1/m], independent of the stated curvature.
 fn turning_rms(weld: &Weld) -> f64 {
     let points = &weld.curve.points;
     let step = weld.length / (points.len() - 1) as f64;
@@ -149,7 +150,7 @@ fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
     assert!(longest_run > 0.2 && longest_run < 0.9, "{longest_run}");
     let message = place_weld(&part, &query, &long, 1).unwrap_err().to_string();
     assert!(message.contains("sharp edge") && message.contains("shorter length"), "{message}");
-    // What is offered in its place is true.
+    // The proposed alternative works.
     let (_, offer) = message.split_once("the length is impossible: ").unwrap();
     let length = 1e-3 * offer.split_once(" mm fits").unwrap().0.parse::<f64>().unwrap();
     assert!((0.05..0.36).contains(&length), "{length}");
@@ -158,7 +159,7 @@ fn an_impossible_wish_is_answered_with_the_dial_that_forbids_it() {
     let shrunk = place(&part, &WeldRequest { may_shrink: true, ..long.clone() }, 1);
     assert!(shrunk.length < 0.9 && shrunk.reasons.iter().any(|reason| reason.contains("instead of 900.00 mm")));
 
-    // In a narrow slot the sky is narrow, whatever the curve.
+    // In a narrow slot the exposure is low, whatever the curve.
     let mut slot = cuboid(DVec3::ZERO, DVec3::new(0.3, 0.05, 0.01));
     slot.append(&cuboid(DVec3::new(0.0, -0.01, -0.05), DVec3::new(0.3, 0.0, 0.3)));
     let open = WeldRequest { exposure: [1.0; 2], exposure_reach: 10.0, may_shrink: false, ..request(&slot) };
@@ -225,7 +226,7 @@ fn dials_that_a_part_cannot_offer_are_named_with_what_it_offers() {
 
 #[test]
 fn exposure_is_within_the_range_when_measured_with_sixteen_times_the_rays() {
-    // A floor between two walls: the nearer to a wall, the less sky.
+    // A floor between two walls: the nearer to a wall, the lower the exposure.
     let mut channel = cuboid(DVec3::new(0.0, 0.0, -0.02), DVec3::new(0.4, 0.2, 0.0));
     channel.append(&cuboid(DVec3::new(0.0, -0.02, -0.02), DVec3::new(0.4, 0.0, 0.15)));
     channel.append(&cuboid(DVec3::new(0.0, 0.2, -0.02), DVec3::new(0.4, 0.22, 0.15)));
@@ -265,7 +266,7 @@ fn several_welds_keep_their_gap_and_the_first_is_that_of_one() {
                 .iter()
                 .flat_map(|a| other.curve.points.iter().map(|b| a.position.distance(b.position)));
             let gap = pairs.fold(f64::INFINITY, f64::min) - bases;
-            // Every fourth point is held against every fourth point.
+            // Every fourth point is compared with every fourth point.
             assert!(gap > 0.02 - 0.002, "the bases are {gap} m apart");
         }
     }

@@ -1,4 +1,4 @@
-//! Fillet welds in corners: seams are found, fillets have their toes on both walls.
+//! Fillet welds in corners: seams are found, and the toes of fillets lie on both walls.
 
 mod shapes;
 
@@ -78,7 +78,7 @@ fn a_fillet_has_its_toes_on_both_walls_and_its_base_in_them() {
             let crown = point.position + weld.profile.height * point.normal;
             assert!(winding.winding_number(crown) < 0.5);
         }
-        // Each vertex of the bead above the chord of the toes is in the open, the root in the part.
+        // Each vertex of the bead above the chord of the toes is in open space, the root inside the part.
         let root = weld.curve.points[3].position - weld.root_depth * weld.curve.points[3].normal;
         assert!(winding.winding_number(root) > 0.5);
         let ratio = weld.bead_volume / weld.profile.swept_volume(weld.length, weld.root_depth);

@@ -11,7 +11,7 @@ use sdf_bake::read::{UnitChoice, read_mesh};
 use weldgen::exposure::{ExposureRays, exposure};
 use weldgen::{Difficulty, Surface, Weld, WeldRequest, place_weld_on};
 
-/// The meshes of the shared folder, sorted. Says aloud when there is none, and fails where they were promised.
+/// The meshes of the shared folder, sorted. Prints a note if there is none, and fails if they are required.
 fn shared_parts() -> Vec<PathBuf> {
     let folder = std::env::var_os("ROBOFIN_SHARED")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
@@ -38,8 +38,8 @@ fn edge_counts(mesh: &Mesh) -> HashMap<(u32, u32), i32> {
     edges
 }
 
-/// The dials: length and curvature are those asked, unless a shorter weld had to do; where three points lie in one face,
-/// the circle through them has the curvature stated.
+/// Checks that length and curvature are as requested, unless a shorter weld was used. If three points lie in one face,
+/// the circle through them must have the stated curvature.
 fn check_dials(weld: &Weld) {
     let shorter = weld.reasons.iter().any(|reason| reason.starts_with("length") && reason.contains("instead of"));
     assert!(shorter || (weld.length / weld.wanted.length - 1.0).abs() < 1e-3, "{} m long", weld.length);
@@ -54,7 +54,7 @@ fn check_dials(weld: &Weld) {
     }
 }
 
-/// Every directed edge once, and once the other way: closed, two faces an edge, turned alike.
+/// Checks that every directed edge occurs once, and once in the opposite direction: closed, consistently oriented.
 fn is_closed(mesh: &Mesh) -> bool {
     let edges = edge_counts(mesh);
     edges.iter().all(|(&(a, b), &count)| count == 1 && edges.get(&(b, a)) == Some(&1))
@@ -67,7 +67,7 @@ fn check(weld: &Weld, part: &Mesh, query: &MeshQuery, winding: Option<&WindingTr
         assert!(query.closest(point.position).distance < 1e-9 * part.diagonal());
     }
     assert!(is_closed(&weld.bead));
-    // The section's centroid lies near the surface, so bends of the surface change the volume little.
+    // The section's centroid lies near the surface, so curvature of the surface changes the volume little.
     let ratio = weld.bead.volume() / weld.profile.swept_volume(weld.length, weld.root_depth);
     assert!((ratio - 1.0).abs() < 0.08, "the bead's volume is {ratio} of the flat one's");
     let fine = ExposureRays { reach: weld.request.exposure_reach, lift: 0.05 * weld.profile.height, rays: 16 * 256 };

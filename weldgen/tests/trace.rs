@@ -1,4 +1,4 @@
-//! Traced curves against closed forms.
+//! Compares traced curves with closed forms.
 
 mod shapes;
 
@@ -21,7 +21,8 @@ fn run(mesh: &Mesh, at: DVec3, heading: DVec3, curvature: &CurvatureProfile, lim
     trace(mesh, &Topology::new(mesh), start, curvature, limits)
 }
 
-/// End of a planar curve whose curvature runs linearly from `first` to `last`: the Fresnel integrals by Simpson's rule.
+/// End of a planar curve whose curvature changes linearly from `first` to `last`: the Fresnel integrals by Simpson's
+/// rule.
 fn clothoid(start: DVec2, angle: f64, [first, last]: [f64; 2], length: f64) -> (DVec2, f64) {
     let angle_at = |s: f64| angle + first * s + 0.5 * (last - first) / length * s * s;
     let count = 2000;
@@ -109,7 +110,7 @@ fn around_a_cone_a_geodesic_turns_by_the_missing_angle() {
     });
     let slant = (1.0f64 + 1.5 * 1.5).sqrt();
     let wedge = 2.0 * ((PI / f64::from(sides)).sin() / slant).asin();
-    // Start in the middle of side 0 at fan radius `b`, heading square to the fan's radius.
+    // Start in the middle of side 0 at fan radius `b`, with heading perpendicular to the fan's radius.
     let middle = |b: f64| {
         let r = b / slant * (1.0 / (wedge / 2.0).cos()) * (PI / f64::from(sides)).cos();
         let turn = PI / f64::from(sides);
@@ -153,8 +154,8 @@ fn on_a_sphere_the_latitude_circle_closes_at_the_rate_of_the_tessellation() {
 
 #[test]
 fn around_a_cube_corner_the_holonomy_is_a_quarter_turn() {
-    // A closed loop around one corner of a cube, three quarter circles of radius r in its faces: κ_g = 1/r, length
-    // 3/4 of the full circle, and the curve must close with its first heading.
+    // A closed loop around one corner of a cube, three quarter circles of radius r in its faces: κ_g = 1/r, length 3/4
+    // of the full circle. The curve must return to its start with its first heading.
     let mesh = cuboid(DVec3::ZERO, DVec3::ONE);
     let r = 0.4;
     let at = DVec3::new(1.0, 1.0 - r * 0.6, 1.0 - r * 0.8);

@@ -1,4 +1,4 @@
-//! Straightest geodesics through vertices: as much angle on the left as on the right.
+//! Straightest geodesics through vertices: equal angles on the left and on the right.
 
 mod shapes;
 
@@ -31,7 +31,7 @@ fn umbrella(count: u32, height: impl Fn(u32) -> f64) -> Mesh {
     }
 }
 
-/// Angle [rad] around vertex 0 from the first corner of the ring to a point, over the triangles between.
+/// Angle [rad] around vertex 0 from the first corner of the ring to a point, over the triangles between them.
 fn angle_around(mesh: &Mesh, point: &TracePoint) -> f64 {
     let angle = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b));
     let before: f64 = (0..point.face as usize).map(|face| angle(mesh.corners(face)[1], mesh.corners(face)[2])).sum();
@@ -78,7 +78,7 @@ fn over_the_corner_of_a_cube_the_diagonal_goes_on_down_the_edge() {
     let traced = aim(&cube, face as u32, weights, DVec3::ONE, length, PI);
     let last = traced.points[10].position;
     assert!(last.distance(DVec3::new(1.0, 1.0, 0.7)) < 1e-14, "{last}");
-    // With creases on both sides of the way the corner is not passed.
+    // With creases on both sides of the path the corner is not passed.
     let stopped = aim(&cube, face as u32, weights, DVec3::ONE, length, 0.6);
     assert_eq!(stopped.end, TraceEnd::Sharp);
     assert!((stopped.length - 0.25 * 2f64.sqrt()).abs() < 1e-14);
@@ -86,7 +86,7 @@ fn over_the_corner_of_a_cube_the_diagonal_goes_on_down_the_edge() {
 
 #[test]
 fn a_crease_that_ends_at_a_vertex_is_passed_on_its_open_side() {
-    // A flap folded up along two neighbouring edges: all folds are on one side of the way.
+    // A flap folded up along two neighbouring edges: all folds are on one side of the path.
     let mesh = umbrella(8, |i| if i == 1 { 0.9 } else { 0.0 });
     let traced = aim(&mesh, 7, [0.6, 0.2, 0.2], DVec3::ZERO, 0.8, 0.3);
     assert_eq!(traced.end, TraceEnd::Length);

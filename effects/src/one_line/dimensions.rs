@@ -1,14 +1,14 @@
-//! Dimensions of names that nobody has declared, from the formula that uses them.
+//! Infers the dimensions of undeclared names from the formula that uses them.
 //!
-//! Each undeclared name is an unknown; each operation that demands equal dimensions, or a plain number, is one equation
-//! that is linear in the exponents. Equations are solved as they are met.
+//! Each undeclared name is an unknown. Each operation that requires equal dimensions, or a dimensionless argument, is
+//! one equation that is linear in the exponents. Equations are solved in the order in which they are met.
 
 use super::super::dimension::Dimension;
 use super::super::op::Op;
 use super::super::syntax::{Expr, Node};
 use super::OneLineError;
 
-/// A dimension that depends on those of the unknowns: a known one times powers of theirs.
+/// A dimension that depends on those of the unknowns: a known factor times powers of theirs.
 #[derive(Clone, Debug, PartialEq)]
 struct Open {
     known: Dimension,
@@ -16,11 +16,11 @@ struct Open {
     powers: Vec<f64>,
 }
 
-/// The linear equations between dimensions that were solved so far.
+/// The linear equations between dimensions that are solved so far.
 pub(super) struct Dimensions<'a> {
     text: &'a str,
     unknowns: &'a [String],
-    /// Dimension of a name that is declared.
+    /// Returns the dimension of a declared name.
     declared: &'a dyn Fn(&str) -> Option<Dimension>,
     solved: Vec<Option<Open>>,
 }
@@ -28,7 +28,8 @@ pub(super) struct Dimensions<'a> {
 type Found = Result<Option<Open>, OneLineError>;
 
 impl<'a> Dimensions<'a> {
-    /// The dimension of each unknown where a formula has dimension `of`; a plain number where the formula leaves it open.
+    /// Returns the dimension of each unknown if the formula has dimension `of`; dimensionless if the formula leaves it
+    /// open.
     ///
     /// # Errors
     /// Two parts whose dimensions cannot agree.
@@ -55,7 +56,7 @@ impl<'a> Dimensions<'a> {
         open
     }
 
-    /// With what is solved put in.
+    /// Substitutes the solved unknowns.
     fn resolved(&self, open: &Open) -> Open {
         let mut result = Open { known: open.known, powers: vec![0.0; open.powers.len()] };
         for (unknown, power) in open.powers.iter().enumerate().filter(|(_, power)| **power != 0.0) {
@@ -71,7 +72,7 @@ impl<'a> Dimensions<'a> {
         result
     }
 
-    /// Demands that two dimensions are equal; nothing stands for a zero, which fits any.
+    /// Requires two dimensions to be equal; `None` stands for zero, which fits any dimension.
     fn equal(&mut self, a: Option<Open>, b: Option<Open>, part: &Expr) -> Found {
         let (Some(a), Some(b)) = (a.clone(), b.clone()) else { return Ok(a.or(b)) };
         let (a, b) = (self.resolved(&a), self.resolved(&b));
@@ -140,7 +141,7 @@ impl<'a> Dimensions<'a> {
         }
     }
 
-    /// One dimension times a power of another; nothing where either is a zero.
+    /// Returns one dimension times a power of another; `None` if either is a zero.
     fn product(&self, found: &[Option<Open>], power: f64) -> Option<Open> {
         let (a, b) = (found[0].as_ref()?, found[1].as_ref()?);
         let known = if power > 0.0 { a.known * b.known } else { a.known / b.known };

@@ -1,5 +1,5 @@
-//! An effect from one line, such as `rate * exp(-ground_volume / a)`: what it changes, which states it needs, and which
-//! names are its parameters, with units, null and ranges.
+//! An effect from one line, such as `rate * exp(-ground_volume / a)`: the value that it changes, the states that it
+//! needs, and its parameters with units, null values and ranges.
 
 mod dimensions;
 mod parameters;
@@ -14,25 +14,26 @@ use super::variable::{Hook, Variable};
 use dimensions::Dimensions;
 pub use parameters::Extent;
 
-/// Letters from which on a name near a known one is taken for a slip and not for a parameter.
+/// Number of letters from which an unknown name similar to a known one is treated as a typing error, not as a
+/// parameter.
 const LONG_NAME: usize = 4;
 
-/// Why a line makes no effect.
+/// Reason why a line defines no effect.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OneLineError {
-    /// It is no formula.
+    /// The line is not a formula.
     #[error("{line}: at character {at}, found {found}, {expected} is expected")]
     Syntax {
         /// The line.
         line: String,
-        /// Character, from 1.
+        /// Character position, from 1.
         at: usize,
         /// The text found there.
         found: String,
         /// The accepted text.
         expected: String,
     },
-    /// It names no value that an effect may change, or several.
+    /// The line names no value that an effect may change, or several.
     #[error(
         "{line}: names {found} that an effect may change; begin it with one of {accepted}, as in `rate = rate * (1 + a)`"
     )]
@@ -44,7 +45,7 @@ pub enum OneLineError {
         /// Values of the process.
         accepted: String,
     },
-    /// A name that is known elsewhere only, or nearly a known one.
+    /// A name that is known only at other hooks, or that is similar to a known one.
     #[error("`{name}`: {why}")]
     Name {
         /// The name.
@@ -52,20 +53,20 @@ pub enum OneLineError {
         /// The fault, with a hint.
         why: String,
     },
-    /// Two parts that have other dimensions.
+    /// Two parts with different dimensions.
     #[error("`{part}` has the dimension {found}, and {expected} is needed there")]
     Dimension {
         /// The part of the formula.
         part: String,
         /// Its dimension.
         found: Dimension,
-        /// The dimension that is accepted.
+        /// Required dimension.
         expected: Dimension,
     },
-    /// Nothing to fit.
+    /// A line without parameters.
     #[error("{0}: every name is known, so there is nothing to fit; a parameter is any other name, such as a")]
     NoParameter(String),
-    /// Nothing says how large a parameter may be.
+    /// A parameter whose magnitude cannot be inferred.
     #[error(
         "`{name}` [{unit}]: nothing in the formula says how large it may be; give a value with --set \"{name}=1 {unit}\""
     )]
@@ -75,7 +76,7 @@ pub enum OneLineError {
         /// Its unit.
         unit: String,
     },
-    /// It never leaves the value as it was.
+    /// A line that is the identity for no parameter at 0, 1 or infinity.
     #[error(
         "{line}: is not `{value}` for any parameter at 0, 1 or infinity, so the model without it is not part of it; write it \
          as {value} * (1 + a * ...) or {value} + a * ..."
@@ -88,7 +89,7 @@ pub enum OneLineError {
     },
 }
 
-/// A state that one line may read by its name.
+/// A state that a line may read by its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedState {
     name: String,
@@ -99,7 +100,7 @@ pub struct NamedState {
 }
 
 impl NamedState {
-    /// The states of a library's effects that follow from variables alone: of equal names the first.
+    /// States of a library's effects that depend on variables alone; of equal names, the first.
     pub fn of_library(library: &Library) -> Vec<Self> {
         let mut known: Vec<Self> = Vec::new();
         for state in library.effects().iter().flat_map(|effect| &effect.states) {
@@ -109,7 +110,7 @@ impl NamedState {
         known
     }
 
-    /// A state that keeps a value which the data give, such as a column of a table.
+    /// A state that holds a value given by the data, such as a column of a table.
     pub fn measured(name: &str, unit: &str, dimension: Dimension) -> Self {
         let section = format!("[state.{name}]\nper = \"tool\"\nunit = \"{unit}\"\nrate = \"0\"\nreset = \"never\"\n\n");
         Self { name: name.to_owned(), per: Holder::Tool, dimension, section }
@@ -155,7 +156,7 @@ impl NamedState {
 pub struct Unknown {
     /// Name in the formula.
     pub name: String,
-    /// Its dimension, from the formula.
+    /// Dimension, inferred from the formula.
     pub dimension: Dimension,
 }
 
@@ -168,15 +169,15 @@ pub struct OneLine {
     formula: String,
     /// Its parameters.
     pub unknowns: Vec<Unknown>,
-    /// Declared names in it with their dimensions.
+    /// Declared names in it, with their dimensions.
     declared: Vec<(String, Dimension)>,
     states: Vec<NamedState>,
 }
 
 impl OneLine {
-    /// Reads a line: a formula of a value that an effect may change, or `value = formula`.
+    /// Parses a line: a formula of a value that an effect may change, or `value = formula`.
     ///
-    /// - `states`: states that it may read by their names, beside the variables of the simulation
+    /// - `states`: states that it may read by name, beside the variables of the simulation
     ///
     /// # Errors
     /// The first fault of the line.
@@ -228,13 +229,13 @@ impl OneLine {
         self.states.iter().any(|state| state.name == name)
     }
 
-    /// The states that it reads, as sections of an effect file.
+    /// States that it reads, as sections of an effect file.
     pub fn state_sections(&self) -> String {
         self.states.iter().map(|state| state.section.as_str()).collect()
     }
 }
 
-/// The text before a single `=`, and the formula.
+/// Splits a line into the text before a single `=`, and the formula.
 fn sides(line: &str) -> (Option<&str>, &str) {
     match line.split_once('=') {
         Some((name, formula)) if is_name(name.trim()) && !formula.starts_with('=') => {
@@ -254,7 +255,7 @@ fn syntax(line: &str, formula: &str, error: &SyntaxError) -> OneLineError {
     OneLineError::Syntax { line: line.to_owned(), at, found: error.found.clone(), expected: error.expected.clone() }
 }
 
-/// The value that a line changes: the one that it is assigned to, or the only one in the formula.
+/// Returns the value that a line changes: the assigned one, or the only one in the formula.
 fn value_of(line: &str, named: Option<&str>, tree: &Expr, process: Process) -> Result<(Hook, Variable), OneLineError> {
     let hooks = Hook::HOOKS.into_iter().filter(|hook| process.has(*hook));
     let all: Vec<(Hook, Variable)> =
@@ -263,7 +264,8 @@ fn value_of(line: &str, named: Option<&str>, tree: &Expr, process: Process) -> R
     let of_name = |name: &str| all.iter().find(|(hook, value)| value.name() == name || hook.name() == name).copied();
     let found: Vec<(Hook, Variable)> = match named {
         Some(name) => of_name(name).into_iter().collect(),
-        // Formulas begin with their value; else, as later hooks may read the values of earlier ones, it is the last.
+        // Formulas begin with their value; otherwise it is the last, because later hooks may read the values of earlier
+        // ones.
         None => {
             let begun = tree.names().first().and_then(|(name, _)| all.iter().find(|(_, value)| value.name() == *name));
             let last = || all.iter().rfind(|(_, value)| read(value.name()));
@@ -281,7 +283,7 @@ fn value_of(line: &str, named: Option<&str>, tree: &Expr, process: Process) -> R
     Ok((hook, value))
 }
 
-/// Refuses a name that is known at another hook only, or is nearly a known one.
+/// Rejects a name that is known only at another hook, or that is similar to a known one.
 fn check_unknown(name: &str, hook: Hook, states: &[NamedState]) -> Result<(), OneLineError> {
     let refused = |why: String| Err(OneLineError::Name { name: name.to_owned(), why });
     if let Some(variable) = Variable::ALL.iter().find(|variable| variable.name() == name) {

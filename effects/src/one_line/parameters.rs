@@ -1,4 +1,4 @@
-//! Null, range and first value of each parameter of one line.
+//! Null value, range and initial value of each parameter of a one-line effect.
 
 use super::super::definition::Process;
 use super::super::dimension::Dimension;
@@ -6,17 +6,17 @@ use super::super::library::check_file;
 use super::super::unit::Unit;
 use super::{OneLine, OneLineError, Unknown};
 
-/// Units in which people write parameters, the first of a dimension.
+/// Common units of parameters; the first of a dimension is used.
 const UNITS: [&str; 24] = [
     "1", "mm^3", "mm", "mm^2", "MPa", "s", "N", "W", "J", "K", "m/s", "m/s^2", "1/s", "1/mm", "1/mm^2", "1/mm^3",
     "1/MPa", "1/N", "1/K", "1/W", "s/m", "mm^3/s", "MPa/mm", "mm/N",
 ];
-/// Values at which a parameter may make an effect vanish, the usual ones first.
+/// Candidate null values of a parameter, in the order of preference.
 const NULLS: [f64; 3] = [0.0, f64::INFINITY, 1.0];
-/// Powers of a name in the size of a parameter, those tried first.
+/// Candidate powers of a name in the scale of a parameter, in the order in which they are tried.
 const POWERS: [i32; 4] = [1, -1, 2, -2];
 
-/// Least and greatest value [SI] that something has in the data.
+/// Least and greatest value [SI] of a quantity in the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// The least.
@@ -31,7 +31,7 @@ impl Extent {
     }
 }
 
-/// Range and start of a parameter before any fit [SI].
+/// Range and initial value of a parameter before any fit [SI].
 struct Guess {
     range: [f64; 2],
     default: f64,
@@ -39,14 +39,14 @@ struct Guess {
 }
 
 impl OneLine {
-    /// The effect file.
+    /// Returns the text of the effect file.
     ///
-    /// - `name`: of the effect
-    /// - `extent`: what the data hold of a variable or state; nothing where they do not say
-    /// - `given`: values [SI] of parameters with which a fit shall begin
+    /// - `name`: name of the effect
+    /// - `extent`: extent of a variable or state in the data; `None` if the data do not give it
+    /// - `given`: initial values [SI] of parameters for a fit
     ///
     /// # Errors
-    /// A parameter of which nothing says how large it may be, or a formula that never leaves its value as it was.
+    /// A parameter whose magnitude cannot be inferred, or a formula that is the identity for no parameter value.
     pub fn file(
         &self,
         name: &str,
@@ -66,8 +66,9 @@ impl OneLine {
         Err(OneLineError::NoNull { line: self.line.clone(), value: self.value.name() })
     }
 
-    /// Size that a parameter may have [SI], and the extent of what it is compared with: given, that of a name of the same
-    /// dimension, or of the simplest product of powers of names that has it.
+    /// Returns the scale of a parameter [SI] and the extent of the quantity that it is compared with. The scale is the
+    /// given one, that of a name of the same dimension, or that of the simplest product of powers of names with this
+    /// dimension.
     fn size(
         &self,
         unknown: &Unknown,
@@ -133,7 +134,7 @@ impl OneLine {
     }
 }
 
-/// Range and first value [SI] of a parameter whose size is known.
+/// Returns range and initial value [SI] of a parameter whose scale is known.
 fn guess((size, extent): (f64, Option<Extent>), null: Option<f64>, start: Option<f64>) -> Guess {
     let mut guess = match (null, extent) {
         (Some(null), _) if null.is_infinite() => {
@@ -158,7 +159,7 @@ fn guess((size, extent): (f64, Option<Extent>), null: Option<f64>, start: Option
     guess
 }
 
-/// Size of the simplest product of at most two names' powers that has a dimension.
+/// Returns the scale of the simplest product of powers of at most two names that has a dimension.
 fn product_of(named: &[(Dimension, Extent)], dimension: Dimension) -> Option<f64> {
     let powers: Vec<(Dimension, f64)> = (POWERS.into_iter())
         .flat_map(|power| {
@@ -175,7 +176,7 @@ fn product_of(named: &[(Dimension, Extent)], dimension: Dimension) -> Option<f64
     one.or_else(two)
 }
 
-/// The unit in which people write a dimension.
+/// Returns the common unit of a dimension.
 fn unit_of(dimension: Dimension) -> (Unit, String) {
     let usual = UNITS.iter().filter_map(|text| Some((Unit::parse(text).ok()?, (*text).to_owned())));
     usual
@@ -184,7 +185,7 @@ fn unit_of(dimension: Dimension) -> (Unit, String) {
         .unwrap_or_else(|| (Unit::si(dimension), dimension.to_string()))
 }
 
-/// Four digits of a number.
+/// Rounds a number to four significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

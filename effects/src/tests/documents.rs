@@ -1,4 +1,4 @@
-//! `docs/effects.md` against the code: its examples pass, its tables are made from the lists.
+//! Compares `docs/effects.md` with the code: its examples pass, and its tables match the lists.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ fn page() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects.md")).unwrap()
 }
 
-/// The text between `<!-- name -->` and `<!-- /name -->`.
+/// Text between `<!-- name -->` and `<!-- /name -->`.
 fn between<'a>(page: &'a str, name: &str) -> &'a str {
     let (_, rest) = page.split_once(&format!("<!-- {name} -->\n")).unwrap();
     rest.split_once(&format!("<!-- /{name} -->")).unwrap().0

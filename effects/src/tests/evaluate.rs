@@ -1,4 +1,4 @@
-//! The lane programs against direct interpretation, for all effects at once.
+//! Compares the lane programs with direct interpretation, for all effects at once.
 
 use crate::interpret::Environment;
 use crate::null::probe;
@@ -6,7 +6,7 @@ use crate::scope::Scope;
 use crate::tests::compiled;
 use crate::{CompiledModel, Effect, Hook, Lanes, Library, Model, Process, States, StepValues, Variable};
 
-/// Lanes of the tests: two full chunks and a part.
+/// Lanes of the tests: two full chunks and a partial one.
 const COUNT: usize = 150;
 
 /// A model with every effect of a process.
@@ -15,7 +15,7 @@ fn everything(process: Process) -> CompiledModel {
     compiled(&effects.fold(Model::new(process), |model, effect| model.with(&effect.name)))
 }
 
-/// Values of a step from the probing inputs.
+/// Values of a step from the probe inputs.
 fn step(index: u64) -> StepValues {
     let values = probe(index);
     let mut step = StepValues::new();
@@ -25,12 +25,12 @@ fn step(index: u64) -> StepValues {
     step
 }
 
-/// Probing inputs of every lane: by lane, by variable.
+/// Probe inputs of every lane: by lane, then by variable.
 fn lanes() -> Vec<Vec<f64>> {
     (0..COUNT as u64).map(|lane| probe(2 + lane)).collect()
 }
 
-/// The same by variable, by lane.
+/// Transposes them: by variable, then by lane.
 fn columns(lanes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..Variable::COUNT).map(|variable| lanes.iter().map(|lane| lane[variable]).collect()).collect()
 }
@@ -40,7 +40,7 @@ fn with_columns<'a>(columns: &'a [Vec<f64>], range: std::ops::Range<usize>) -> L
     variables.fold(Lanes::new(range.len()), |lanes, (variable, values)| lanes.with(*variable, &values[range.clone()]))
 }
 
-/// The value of a hook in one lane, formula by formula.
+/// Value of a hook in one lane, interpreted formula by formula.
 fn interpreted(model: &CompiledModel, hook: Hook, mut variables: Vec<f64>, tool: (&States, usize)) -> f64 {
     let library = Library::builtin();
     let laws: Vec<Effect> =
@@ -78,7 +78,7 @@ fn interpreted(model: &CompiledModel, hook: Hook, mut variables: Vec<f64>, tool:
     variables[value as usize]
 }
 
-/// A tool that has worked for some steps, with states that differ from their initial values.
+/// A tool after some steps, with states that differ from their initial values.
 fn worn_tool(model: &CompiledModel, cells: usize) -> States {
     let mut states = States::new(model, cells);
     let rows: Vec<Vec<f64>> = (0..cells as u64).map(|cell| probe(300 + cell)).collect();

@@ -1,11 +1,11 @@
-//! Formula text: precedence, powers, units, and what is refused.
+//! Formula text: precedence, powers, units, and rejected texts.
 
 use crate::interpret::Environment;
 use crate::parse::parse;
 use crate::scope::Scope;
 use crate::{Effect, Hook, Library, Variable};
 
-/// The value of a formula of numbers, `rate` = 3 and `pressure` = 2.
+/// Value of a formula with `rate` = 3 and `pressure` = 2.
 fn value(text: &str) -> f64 {
     let effect: &Effect = &Library::builtin().laws()[1];
     let mut variables = vec![0.0; Variable::COUNT];

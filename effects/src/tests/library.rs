@@ -50,7 +50,8 @@ fn every_effect_says_what_it_leaves_and_with_what_it_is_confused() {
     }
 }
 
-/// The values of an effect's formulas at its default parameters, over the probing inputs and the states that they lead to.
+/// Values of an effect's formulas before and after, at default parameters, over the probe inputs and the states that
+/// they lead to.
 fn changed_values(effect: &Effect, process: Process) -> Vec<(f64, f64)> {
     let laws = Library::builtin().laws();
     let parameters: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.default.of(process)).collect();

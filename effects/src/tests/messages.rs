@@ -1,4 +1,4 @@
-//! Each kind of bad file: the message names file, line and hook, what was found, and what would do.
+//! For each kind of bad file, the message names file, line and hook, what was found, and what is accepted.
 
 use crate::tests::effect_file;
 use crate::{
@@ -6,7 +6,7 @@ use crate::{
     check_file,
 };
 
-/// The message for a file that must be refused.
+/// Message for a file that must be rejected.
 #[track_caller]
 fn refusal(text: &str) -> String {
     match check_file("trial.toml", text) {

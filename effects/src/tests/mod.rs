@@ -1,4 +1,4 @@
-//! The language, its checks, the library and the programs, each against something independent of it.
+//! Tests of the language, its checks, the library and the programs, each against an independent reference.
 
 mod documents;
 mod evaluate;
@@ -15,7 +15,7 @@ fn compiled(model: &Model) -> CompiledModel {
     CompiledModel::new(model, Library::builtin(), RowCounts::default()).unwrap()
 }
 
-/// A whole effect file around one line of `[modify]` and a parameter `amount` [1] with null 0.
+/// An effect file with one line of `[modify]` and a parameter `amount` [1] with null 0.
 fn effect_file(modify: &str, more: &str) -> String {
     format!(
         "name = \"trial\"\ntitle = \"Trial\"\nsource = \"none\"\n\n[parameters.amount]\nunit = \"1\"\nnull = 0.0\n\

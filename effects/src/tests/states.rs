@@ -1,9 +1,9 @@
-//! States against closed forms.
+//! Compares states with closed forms.
 
 use crate::tests::compiled;
 use crate::{CompiledModel, Hook, Lanes, Library, Model, Process, Reset, RowCounts, States, StepValues, Variable};
 
-/// One lane of a base rate of 1 um/s through the rate hook.
+/// Evaluates the rate hook in one lane with a base rate of 1 um/s.
 fn rate_factor(model: &CompiledModel, step: &StepValues, states: &States) -> f64 {
     let rate = 1e-9 * 1e6;
     let mut out = [0.0];

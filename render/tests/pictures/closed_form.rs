@@ -1,4 +1,4 @@
-//! A sphere's photograph against its closed form.
+//! Compares a sphere's photograph with its closed form.
 
 use glam::{DVec2, DVec3};
 use render::{Camera, Distortion, Placement, Projection, Raster, Scene, Seen};
@@ -8,7 +8,7 @@ use crate::scenes::VOXEL;
 
 const RADIUS: f64 = 0.01;
 
-/// Distance along a ray to a sphere, or `None` beside it.
+/// Distance along a ray to a sphere; `None` for a miss.
 fn to_sphere(origin: DVec3, direction: DVec3, centre: DVec3) -> Option<f64> {
     let away = origin - centre;
     let along = away.dot(direction);
@@ -40,7 +40,7 @@ fn silhouette_depth_and_normal_of_a_sphere_are_those_of_the_closed_form() {
             let at = DVec2::new((x as f64 + 0.5) / 320.0, (y as f64 + 0.5) / 240.0);
             let ray = camera.ray(at, 4.0 / 3.0);
             let closest = (ray.origin - centre).reject_from(ray.direction).length();
-            // Half a voxel about the outline may go either way; it is a pixel and less here.
+            // Within half a voxel of the outline either result is accepted; here that is at most one pixel.
             if (closest - RADIUS).abs() > 0.5 * VOXEL {
                 assert_eq!(seen == Seen::Part, closest < RADIUS, "pixel ({x}, {y}), {closest} m from the centre");
             }

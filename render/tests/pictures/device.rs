@@ -1,4 +1,4 @@
-//! The device's photographs against the CPU's.
+//! Compares photographs from the device with the CPU's.
 
 use glam::{DQuat, DVec2, DVec3, Vec3};
 use render::{
@@ -10,12 +10,12 @@ use shaders::testing;
 use crate::scenes::{VOXEL, bracket, ground, sanded};
 
 const RASTER: Raster = Raster { width: 232, height: 172, samples_per_side: 1 };
-/// Pixels that may differ: rays that graze an edge fall to one side or the other.
+/// Accepted share of differing pixels: rays that graze an edge may pass on either side.
 const SHARE: f64 = 0.001;
-/// The device has the eye and the rays in f32: at a distance of 1000 voxels each is off by 6e-5 voxel, and a handful of
-/// roundings add up. Across the ray [m]; a surface seen at a slant magnifies it.
+/// Tolerance across the ray [m]; a slanted surface magnifies it. The device computes eye and rays in f32: at a distance
+/// of 1000 voxels each is off by 6e-5 voxel, and a handful of rounding errors add up.
 const LENGTH: f64 = 1e-3 * VOXEL;
-/// Cosine of the slant beyond which nothing more is allowed for it.
+/// Least cosine of the slant that is allowed for.
 const LEAST_SLANT: f64 = 0.05;
 /// Change of the normal over a voxel at a sharp edge.
 const BEND: f32 = 2.0;
@@ -24,8 +24,8 @@ fn scenes() -> [(&'static str, sdf_bake::BrickGrid, bool); 3] {
     [("bare", bracket(), false), ("ground", ground(), true), ("sanded", sanded(), true)]
 }
 
-/// Whether two pixels differ: in what they show, in a buffer beyond its tolerance, or in a code of the picture by more
-/// than one. `view`: direction of the ray in the part's frame.
+/// True if two pixels differ: in the object, in a buffer by more than its tolerance, or in a colour code by more than
+/// one. `view`: direction of the ray in the part's frame.
 fn differs(cpu: &Frame, gpu: &Frame, pixel: usize, view: DVec3) -> bool {
     if cpu.seen[pixel] != gpu.seen[pixel] || cpu.weld[pixel] != gpu.weld[pixel] {
         return true;
@@ -96,7 +96,7 @@ fn pictures_of_the_device_differ_from_the_cpu_s_in_at_most_a_thousandth_of_the_p
     }
 }
 
-/// A camera that sees a placed part as another one sees it in its own frame, through a lens.
+/// A camera with lens distortion that sees a placed part as `camera` sees it in its own frame.
 fn moved(camera: &Camera, placement: &Placement, distortion: Distortion) -> Camera {
     let turn = |direction: DVec3| placement.rotation * direction;
     Camera {
@@ -122,7 +122,7 @@ fn several_samples_a_pixel_and_an_empty_picture_are_drawn() {
     let (cpu, gpu) =
         (scene.photograph(&camera, &raster), photographer.photograph(&buffers, &scene, &camera, &raster).unwrap());
     let far = (0..cpu.colour.len()).filter(|&i| (cpu.colour[i] - gpu.colour[i]).length() > 0.01).count();
-    // One grazing sample of nine changes a pixel by a ninth.
+    // One grazing sample of nine changes a pixel by one ninth.
     assert!(far <= 20, "{far} pixels");
     let nothing = Raster { width: 0, height: 0, samples_per_side: 1 };
     assert_eq!(photographer.photograph(&buffers, &scene, &camera, &nothing).unwrap().colour, []);

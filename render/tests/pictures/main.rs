@@ -1,4 +1,4 @@
-//! Photographs held against closed forms and ray casts, and the device's against the CPU's.
+//! Compares photographs with closed forms and ray casts, and the device's photographs with the CPU's.
 
 mod closed_form;
 mod device;

@@ -1,4 +1,4 @@
-//! Silhouettes and depths against rays cast at the extracted surface.
+//! Compares silhouettes and depths with ray casts against the extracted surface.
 
 use glam::DVec2;
 use render::{Camera, Raster, Scene, Seen};
@@ -28,8 +28,8 @@ fn silhouettes_and_depths_agree_with_ray_casts_at_the_extracted_surface_within_h
             let depth = f64::from(frame.depth[pixel]);
             assert_eq!(depth.is_finite(), frame.seen[pixel] == Seen::Part);
             seen += usize::from(depth.is_finite());
-            // Depths of the extracted surface within half a voxel around the pixel's ray: what a surface that is off by
-            // half a voxel could show here.
+            // Depths of the extracted surface within half a voxel around the pixel's ray: the range for a surface with
+            // an error of half a voxel.
             let half = 0.5 * VOXEL / (camera.pixel_size(camera.depth(0.5 * (low + high)), 120) * 120.0);
             let around = |i: i32| DVec2::new(f64::from(i % 3 - 1) * 0.75, f64::from(i / 3 - 1)) * half;
             let casts: Vec<Option<f64>> = (0..9).map(|i| cast(at + around(i))).collect();

@@ -10,7 +10,7 @@ pub fn cuboid(p: DVec3, centre: DVec3, half: DVec3) -> f64 {
     q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
 }
 
-/// A channel of a grid from a function of the place.
+/// A channel of a grid from a function of position.
 pub fn channel<T>(grid: &BrickGrid, value: impl Fn(DVec3) -> T) -> Vec<T> {
     (0..grid.phi.len()).map(|at| value(grid.position(grid.voxel_of(at)))).collect()
 }
@@ -38,7 +38,7 @@ pub fn ground() -> BrickGrid {
     grid
 }
 
-/// The bracket with its coating sanded on one side of a slanting border.
+/// The bracket with its coating sanded on one side of an oblique border.
 pub fn sanded() -> BrickGrid {
     let mut grid = bracket();
     *grid.scalar_mut(Scalar::Dose) = channel(&grid, |p| (0.5 + 90.0 * (p.x + 0.4 * p.y)).clamp(0.0, 1.3) as f32);

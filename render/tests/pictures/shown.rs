@@ -1,4 +1,4 @@
-//! What materials, light and marks show in a photograph.
+//! Tests of materials, light and marks in a photograph.
 
 use glam::{DVec3, Vec3};
 use render::{Camera, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Seen, Table};
@@ -106,7 +106,7 @@ fn the_part_throws_a_shadow_on_its_table_and_hides_it() {
     assert!(table.len() > 2000 && part_pixels > 2000 && table.len() + part_pixels == frame.seen.len());
     assert!(table.iter().all(|&i| (frame.position[i].z - low.z as f32).abs() < 1e-6));
     let towards = scene.lights.keys[0].towards;
-    // Where the closed box of the plate stands in the light's way, and where nothing does.
+    // Occlusion of the light by the plate, from the closed form.
     let shaded = |i: usize| {
         let start = frame.position[i].as_dvec3();
         (1..200).any(|step| part.sample(start + towards * (f64::from(step) * 0.25e-3) + DVec3::Z * 1e-6) < -1e-4)

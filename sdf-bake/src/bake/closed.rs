@@ -1,6 +1,6 @@
-//! Winding number of any point of a closed surface, by counting crossings of the ray upwards from it.
+//! Winding number of any point of a closed surface, by counting crossings of the upward ray from the point.
 //!
-//! The rule is that of `columns.rs`, for points that are not on the lattice; no ray slips through an edge (`crossing.rs`).
+//! The rule is that of `columns.rs`, for points off the lattice; no ray slips through an edge (`crossing.rs`).
 
 use std::time::Duration;
 
@@ -17,15 +17,15 @@ use crate::crossing::crossing_above;
 pub(super) struct BoxTree {
     /// Corners [m].
     pub(super) triangles: Vec<Corners>,
-    /// What is taken off all coordinates before they become f32 [m].
+    /// Offset subtracted from all coordinates before conversion to f32 [m].
     centre: DVec3,
-    /// Each triangle's box, in f32 wider than the rounding.
+    /// Each triangle's box in f32, enlarged by more than the rounding.
     boxes: Vec<Aabb>,
     tree: Bvh2,
 }
 
 impl BoxTree {
-    /// - `tolerance`: triangles with no more between them than this meet [m]
+    /// - `tolerance`: triangles with at most this distance between them intersect [m]
     pub(super) fn new(triangles: Vec<Corners>, tolerance: f64) -> Self {
         let corners = triangles.iter().flatten();
         let (low, high) = corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
@@ -43,7 +43,7 @@ impl BoxTree {
         Self { triangles, centre, boxes, tree }
     }
 
-    /// Calls `visit` with every triangle whose box meets that of triangle `t`, itself too.
+    /// Calls `visit` with every triangle whose box meets that of triangle `t`, including `t` itself.
     pub(super) fn near(&self, t: usize, visit: impl FnMut(usize)) {
         self.within(self.boxes[t], visit);
     }

@@ -1,12 +1,12 @@
 //! Winding numbers of all voxels of a closed surface, by counting crossings along the lattice's columns.
 //!
-//! Upwards from a point of winding number w, each crossing from inside to outside takes 1 off and each other one adds
-//! 1, until 0 is left far above. So w is the sum of the signs of the normals' z over the triangles above. This holds
-//! for nested, overlapping and touching bodies, as long as each edge is passed equally often both ways.
+//! Upwards from a point of winding number w, each crossing from inside to outside subtracts 1 and each other crossing
+//! adds 1, until 0 remains far above. So w is the sum of the signs of the normals' z over the triangles above. This
+//! holds for nested, overlapping and touching bodies, if each edge is used equally often in both directions.
 //!
-//! A column is crossed by exactly one of the triangles that part it between them, and a crossing belongs to exactly one
-//! brick, both by comparisons without rounding (`crossing.rs`). No crossing is lost or counted twice at shared edges and
-//! vertices or between bricks, and a voxel can be wrong only if it is on the surface to within the rounding of f64.
+//! A column is crossed by exactly one of the triangles that share it, and a crossing belongs to exactly one brick; both
+//! are decided by comparisons without rounding (`crossing.rs`). No crossing is lost or counted twice at shared edges
+//! and vertices or between bricks. A voxel can be wrong only if it lies on the surface to within the rounding of f64.
 
 use std::ops::Range;
 
@@ -26,24 +26,24 @@ pub(super) type InsideMask = [u64; BRICK_SIDE];
 /// A brick's columns along z; column (x, y) is number 8 x + y.
 const COLUMNS: usize = BRICK_SIDE * BRICK_SIDE;
 
-/// Signed crossings of each of a brick's columns, sorted by how many of its voxels lie below them.
+/// Signed crossings of each of a brick's columns, indexed by the number of its voxels below them.
 type Crossings = [[i32; BRICK_SIDE + 1]; COLUMNS];
 
-/// Most stacks of bricks handed to one task; any number gives the same result.
+/// Greatest number of brick stacks per task; the result does not depend on it.
 const STACKS: usize = 8;
 
-/// Where inside is.
+/// Voxels and bricks that are inside.
 #[derive(Default)]
 pub(super) struct Insides {
     /// Inside voxels of each touched brick.
     pub(super) masks: Vec<InsideMask>,
-    /// Runs of index entries between touched bricks that are wholly inside.
+    /// Runs of index entries between touched bricks that are entirely inside.
     pub(super) gaps: Vec<Range<usize>>,
-    /// Most bodies around one voxel.
+    /// Greatest winding number found at a voxel.
     pub(super) deepest: i32,
 }
 
-/// Inside voxels of each touched brick, and the untouched bricks inside.
+/// Finds the inside voxels of each touched brick, and the untouched bricks inside.
 pub(super) fn insides(near: &BrickTriangles, skin: &Skin, grid: &BrickGrid) -> Insides {
     let of_stack = |stack: Range<usize>| pulp::Arch::new().dispatch(Stack { bricks: stack, near, skin, grid });
     let stacks = near.stacks(grid.dims.z as usize).into_par_iter().with_max_len(STACKS);
@@ -57,7 +57,7 @@ pub(super) fn insides(near: &BrickTriangles, skin: &Skin, grid: &BrickGrid) -> I
     all
 }
 
-/// Going down the bricks above one another, from outside: a call that is compiled for each kind of lanes.
+/// Traverses the bricks of a stack downwards from outside; compiled by `pulp` for each instruction set.
 struct Stack<'a> {
     bricks: Range<usize>,
     near: &'a BrickTriangles,
@@ -76,7 +76,7 @@ impl pulp::NullaryFnOnce for Stack<'_> {
         let mut entry_above = None;
         for b in bricks.rev() {
             let entry = near.entry(b);
-            // Where no surface is, all columns are alike.
+            // Without surface between, all columns have equal winding numbers.
             if let Some(end) = entry_above.filter(|&end| end > entry + 1 && above[0] > 0) {
                 insides.gaps.push(entry + 1..end);
             }
@@ -95,7 +95,7 @@ impl pulp::NullaryFnOnce for Stack<'_> {
     }
 }
 
-/// Makes the distances of inside voxels negative; returns how many there are.
+/// Makes the distances of inside voxels negative; returns the number of inside voxels.
 pub(super) fn apply(mask: &InsideMask, phi: &mut [f32]) -> usize {
     for (offset, value) in phi.iter_mut().enumerate() {
         if mask[offset >> 6] >> (offset & 63) & 1 == 1 {
@@ -105,7 +105,8 @@ pub(super) fn apply(mask: &InsideMask, phi: &mut [f32]) -> usize {
     mask.iter().map(|word| word.count_ones() as usize).sum()
 }
 
-/// Goes down a brick's columns; `above` holds the winding number over the brick, then that below it.
+/// Traverses a brick's columns downwards. `above` holds the winding numbers above the brick, and afterwards those below
+/// it.
 #[inline(always)]
 fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS], deepest: &mut i32) -> InsideMask {
     let mut mask = InsideMask::default();
@@ -120,10 +121,11 @@ fn mask(crossings: &Crossings, above: &mut [i32; COLUMNS], deepest: &mut i32) ->
     mask
 }
 
-/// Adds where a triangle crosses the columns of the brick whose first voxel is at `low` [voxels].
+/// Adds the crossings of a triangle with the columns of the brick whose first voxel is at `low` [voxels].
 ///
-/// `low` is whole, so that sums with whole numbers are exact. Places are compared as they are in the whole lattice, not
-/// in the brick: a crossing belongs to the one brick with `low.z <= height < low.z + 8`, and to the voxels below it.
+/// `low` is whole, so that sums with whole numbers are exact. Coordinates are compared in the whole lattice, not
+/// relative to the brick: a crossing belongs to the one brick with `low.z <= height < low.z + 8`, and to the voxels
+/// below it.
 #[inline(always)]
 fn add_crossings(facet: &Facet, low: DVec3, crossings: &mut Crossings) {
     let (least, most) = facet.bounds();

@@ -1,10 +1,10 @@
-//! Cutting triangles where others meet them, so that every piece is wholly inside another body or wholly outside.
+//! Cuts triangles where others intersect them, so that every piece is entirely inside another body or entirely outside.
 
 use glam::DVec3;
 
 use super::skin::Corners;
 
-/// Where one triangle meets another: segments that lie in both.
+/// Intersection of two triangles: segments that lie in both.
 ///
 /// - `tolerance`: points closer than this to a plane lie in it, in the unit of the corners
 pub(super) fn meeting(t: &Corners, u: &Corners, tolerance: f64) -> Vec<[DVec3; 2]> {
@@ -35,7 +35,7 @@ fn normal([a, b, c]: &Corners) -> Option<DVec3> {
     (b - a).cross(c - a).try_normalize()
 }
 
-/// The segment of a triangle in a plane over which its corners have the given heights, not all 0.
+/// Intersection segment of a triangle with a plane, given the heights of its corners above the plane, not all 0.
 fn in_plane(corners: &Corners, heights: [f64; 3]) -> Option<[DVec3; 2]> {
     let mut points = (0..3).flat_map(|i| {
         let (here, next) = (heights[i], heights[(i + 1) % 3]);
@@ -46,7 +46,7 @@ fn in_plane(corners: &Corners, heights: [f64; 3]) -> Option<[DVec3; 2]> {
     Some([points.next()?, points.next()?])
 }
 
-/// The part of a segment over a convex polygon of whose plane it is.
+/// Part of a segment within a convex polygon in the same plane.
 fn within([a, b]: [DVec3; 2], corners: &[DVec3], normal: DVec3, tolerance: f64) -> Option<[DVec3; 2]> {
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for i in 0..corners.len() {
@@ -64,9 +64,9 @@ fn within([a, b]: [DVec3; 2], corners: &[DVec3], normal: DVec3, tolerance: f64) 
     ((end - start) * a.distance(b) > tolerance).then(|| [a.lerp(b, start), a.lerp(b, end)])
 }
 
-/// The pieces of a triangle between segments in it, turned as it is; `None` if it has no plane to be cut in.
+/// Cuts a triangle along segments in it into pieces of the same orientation; `None` if it has no usable plane.
 ///
-/// Each piece that a segment runs through is halved along the segment's line, so that all pieces stay convex.
+/// Each piece that a segment crosses is split along the segment's line, so that all pieces stay convex.
 pub(super) fn pieces(corners: &Corners, segments: &[[DVec3; 2]], tolerance: f64) -> Option<Vec<Corners>> {
     let normal = normal(corners)?;
     let mut pieces = vec![corners.to_vec()];
@@ -87,7 +87,7 @@ pub(super) fn pieces(corners: &Corners, segments: &[[DVec3; 2]], tolerance: f64)
     Some(pieces.iter().flat_map(|piece| fan(piece)).collect())
 }
 
-/// The part of a convex polygon on one side of a line, given its corners' heights over it.
+/// Part of a convex polygon on one side of a line, given its corners' heights above the line.
 fn half(piece: &[DVec3], heights: &[f64], side: f64) -> Vec<DVec3> {
     let mut half = Vec::with_capacity(piece.len() + 1);
     for i in 0..piece.len() {

@@ -1,8 +1,9 @@
 //! Exact distance from a brick's voxels to its own triangles.
 //!
-//! The brick is an octree of three levels: 8 parts of 4³ voxels, each of 8 blocks of 2³. The eight children of a
-//! node are eight lanes. With `m` the least distance from a child's centre to any triangle and `r` the radius of its
-//! voxels, a triangle farther than m + 2r from the centre is nearest to none of them and goes no deeper.
+//! The brick is an octree of three levels: 8 parts of 4³ voxels, each of 8 blocks of 2³. The eight children of a node
+//! are processed in eight lanes. With `m` the least distance from a child's centre to any triangle and `r` the radius
+//! of its voxels, a triangle farther than m + 2r from the centre is nearest to none of them and is not passed to the
+//! next level.
 
 use glam::{DVec3, Vec3};
 
@@ -15,10 +16,10 @@ use crate::BrickGrid;
 const PART_RADIUS: f32 = 2.598_077;
 const BLOCK_RADIUS: f32 = 0.866_026;
 
-/// More than the rounding of f32 to any distance in a brick [voxels].
+/// Bound on the rounding error of f32 distances in a brick [voxels].
 const MARGIN: f32 = 1e-4;
 
-/// Memory that one thread uses again for each brick.
+/// Working memory of one thread, reused for each brick.
 #[derive(Default)]
 pub(super) struct Scratch {
     facets: Vec<LocalFacet>,
@@ -31,7 +32,7 @@ pub(super) struct Scratch {
 struct Candidates {
     facets: Vec<u32>,
     squared: Vec<[f32; 8]>,
-    /// Those of one child, and their squared distances from its centre.
+    /// Candidates of one child, with their squared distances from its centre.
     of_child: Vec<(f32, u32)>,
 }
 
@@ -49,7 +50,7 @@ impl Candidates {
         &self.of_child
     }
 
-    /// Squared distances from a child's centre within which triangles matter; `reach` in voxels.
+    /// Squared distance from each child's centre within which triangles matter; `reach` in voxels.
     #[inline(always)]
     fn limits(&self, radius: f32, reach: f32) -> [f32; 8] {
         let mut least = [f32::INFINITY; 8];
@@ -62,24 +63,24 @@ impl Candidates {
     }
 }
 
-/// A brick and what may be near it.
+/// A brick and the triangles that may be near it.
 pub(super) struct Brick<'a> {
     /// Centre of its voxels [voxels].
     pub(super) centre: DVec3,
-    /// Those near it.
+    /// Triangles near it.
     pub(super) triangles: &'a [NearTriangle],
     pub(super) skin: &'a Skin,
-    /// Where distances end [voxels].
+    /// Distance at which φ is truncated [voxels].
     pub(super) reach: f32,
 }
 
-/// Distances of a brick's voxels [m] into `phi`: a call that is compiled for each kind of lanes.
+/// Computes distances of a brick's voxels [m] into `phi`; compiled by `pulp` for each instruction set.
 ///
-/// The output is how many voxels are within the band. Lanes change no bit of it.
+/// The output is the number of voxels within the band. The lane width changes no bit of it.
 pub(super) struct Distances<'a> {
     pub(super) brick: Brick<'a>,
     pub(super) grid: &'a BrickGrid,
-    /// What is taken off all distances [m].
+    /// Offset subtracted from all distances [m].
     pub(super) half_shell: f64,
     pub(super) scratch: &'a mut Scratch,
     pub(super) phi: &'a mut [f32],
@@ -102,7 +103,7 @@ impl pulp::NullaryFnOnce for Distances<'_> {
     }
 }
 
-// All below is inlined into that call, or it would not be compiled for its lanes.
+// Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
 impl Brick<'_> {
     /// Distance [voxels] from each voxel to the nearest of the brick's triangles, at most `reach`, into `distance`.
@@ -147,7 +148,7 @@ impl Brick<'_> {
     }
 }
 
-/// Squared distances [voxels²] of a block's voxels, or `None` without a candidate.
+/// Squared distances [voxels²] of a block's voxels; `None` without candidates.
 #[inline(always)]
 fn block_distances(candidates: &[(f32, u32)], centre: Vec3, local: &[LocalFacet]) -> Option<[f32; 8]> {
     let closest = candidates.iter().fold(None, |best: Option<&(f32, u32)>, candidate| match best {

@@ -1,56 +1,57 @@
-//! Why a mesh cannot be baked.
+//! Reasons why a mesh cannot be baked.
 
 use thiserror::Error;
 
-/// Farthest voxel from the origin: its coordinates are exact in i32, and places between voxels to 1e-7 voxels in f64.
+/// Greatest distance of a voxel from the origin [voxels]: coordinates are exact in i32, and to 1e-7 voxels in f64
+/// between voxels.
 pub(super) const FARTHEST: f64 = 8e8;
 
-/// Why a mesh cannot be baked.
+/// Reason why a mesh cannot be baked.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BakeError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles: nothing to bake")]
     Empty,
-    /// The voxel size or band is not usable.
+    /// The voxel size or the band is not usable.
     #[error(
         "a voxel of {voxel} m with a band of {band_voxels} voxels cannot be baked: both must be positive, the band at least 2"
     )]
     Options {
-        /// Asked voxel [m].
+        /// Requested voxel [m].
         voxel: f64,
-        /// Asked band [voxels].
+        /// Requested band [voxels].
         band_voxels: f64,
     },
-    /// The grid would not fit.
+    /// The grid has too many index entries.
     #[error(
         "{cells:.2e} index bricks are too many (limit {limit:.0e}): a voxel of at least {least_voxel:.3e} m would fit"
     )]
     TooFine {
-        /// Index entries needed.
+        /// Required index entries.
         cells: f64,
-        /// Index entries allowed.
+        /// Allowed index entries.
         limit: f64,
         /// Smallest voxel that fits [m].
         least_voxel: f64,
     },
-    /// The part is so far from the origin that voxels cannot be counted.
+    /// The part is too far from the origin for the voxel coordinates.
     #[error(
         "the part reaches {:.3e} m from the origin, {:.1e} voxels of {voxel:.3e} m, and {FARTHEST:.0e} voxels are accepted: \
          move it to within {:.3e} m of the origin", away, away / voxel, FARTHEST * voxel
     )]
     FarAway {
-        /// Largest coordinate, with the band around the part [m].
+        /// Greatest coordinate, including the band around the part [m].
         away: f64,
         /// Voxel [m].
         voxel: f64,
     },
-    /// Open surface whose inside is a guess.
+    /// The surface is open, and the sign is ambiguous.
     #[error(
         "open surface: {boundary_edges} boundary edges leave {:.1} % of the band without a clear inside; close the mesh, \
          use --sign winding to accept the guess, or --shell-mm T to bake the surface as a shell T thick", 100.0 * share
     )]
     Open {
-        /// Edges with one triangle only.
+        /// Edges with only one triangle.
         boundary_edges: usize,
         /// Ambiguous share of the band, 0 to 1.
         share: f64,
@@ -64,7 +65,7 @@ pub enum BakeError {
     NoInside {
         /// Voxel [m].
         voxel: f64,
-        /// Edges with one triangle only.
+        /// Edges with only one triangle.
         boundary_edges: usize,
         /// Ambiguous share of the band, 0 to 1.
         share: f64,
@@ -75,17 +76,17 @@ pub enum BakeError {
         1e3 * thickness, 1e3 * voxel, 1e3 * least
     )]
     ThinShell {
-        /// Asked thickness [m].
+        /// Requested thickness [m].
         thickness: f64,
         /// Voxel [m].
         voxel: f64,
-        /// Least thickness accepted [m].
+        /// Least accepted thickness [m].
         least: f64,
     },
-    /// Normals would not tell inside from outside.
+    /// The normals do not determine inside and outside.
     #[error("--sign normal is not safe here: {reason}; use --sign auto")]
     NormalsUnsafe {
-        /// What was found.
+        /// Reason found.
         reason: String,
     },
 }

@@ -1,25 +1,25 @@
-//! One triangle made ready for many distance queries.
+//! A triangle prepared for many distance queries.
 //!
-//! A point is written in the triangle's own frame: its height `h` over the plane, and for each edge `s`, how far it
-//! is beyond the edge within the plane, and `e`, how far it is beyond the edge's ends along it. Then
+//! A point is expressed in the triangle's own frame: its height `h` above the plane, and for each edge `s`, its
+//! distance beyond the edge within the plane, and `e`, its distance beyond the edge's ends along it. Then
 //!
 //! ```text
-//!   d² = h² + 0                        where every s ≤ 0: the foot is on the face
+//!   d² = h² + 0                        if every s ≤ 0: the foot is on the face
 //!   d² = h² + min over edges s² + e²   elsewhere
 //! ```
 //!
-//! Nothing large is subtracted from anything large, which is what lets long slivers stay exact in f32 lanes.
+//! No large numbers are subtracted from each other, so long slivers stay exact in f32 lanes.
 
 use glam::{DVec3, Vec3};
 
-/// A triangle whose height is less than this share of its longest edge has no usable plane: it is its edges.
+/// A triangle whose height is below this share of its longest edge has no usable plane and is treated as its edges.
 const FLAT: f64 = 1e-9;
 
 /// A triangle in units of voxels, f64.
 pub(super) struct Facet {
     /// Corners [voxels]; the edge from the first to the second is the longest.
     pub(super) corners: [DVec3; 3],
-    /// Unit normal; for a triangle without height, some unit vector square to its longest edge.
+    /// Unit normal; for a triangle without height, a unit vector perpendicular to its longest edge.
     normal: DVec3,
     /// Unit directions from each corner to the next.
     along: [DVec3; 3],
@@ -27,25 +27,25 @@ pub(super) struct Facet {
     has_face: bool,
 }
 
-/// A facet as seen from one place, f32: exact to about 2e-6 voxels within a brick of it.
+/// A facet relative to a point, in f32: exact to about 2e-6 voxels within a brick of it.
 pub(super) struct LocalFacet {
     normal: [f32; 3],
     height: f32,
-    /// Along the longest edge, and out of the triangle across it: the frame within the plane, `u` and `v`.
+    /// Unit vectors in the plane along the longest edge (`u`) and out of the triangle across it (`v`).
     along: [f32; 3],
     outward: [f32; 3],
     edges: [LocalEdge; 3],
-    /// `s` up to which a point is above the face: 0, or −∞ for a triangle without height.
+    /// Greatest `s` of a point above the face: 0, or −∞ for a triangle without height.
     face_limit: f32,
 }
 
-/// An edge within its triangle's plane; those but the longest are turned against it.
+/// An edge in its triangle's plane; its direction is relative to the longest edge.
 #[derive(Clone, Copy)]
 struct LocalEdge {
     cosine: f32,
     sine: f32,
     beyond: f32,
-    /// Where the edge starts and ends along its direction.
+    /// Start and end of the edge along its direction.
     start: f32,
     end: f32,
 }
@@ -90,7 +90,7 @@ impl Facet {
         let cross = edges[0].cross(c - a);
         let has_face = cross.length() > FLAT * lengths[0] * lengths[0];
         let normal = if has_face { cross.normalize() } else { longest.any_orthonormal_vector() };
-        // Without a plane, the direction of a short edge is rounding; all that there is lies along the longest.
+        // Without a plane, the direction of a short edge is rounding error; the triangle lies along its longest edge.
         let along = edges.map(|edge| match edge.try_normalize() {
             Some(direction) if has_face => direction,
             _ => longest * edge.dot(longest).signum(),
@@ -104,8 +104,8 @@ impl Facet {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// Half-spaces that hold the facet: unit normals, each with the middle and half the width of the facet along it
-    /// [voxels]; the plane's first, then one square to the plane and each edge.
+    /// Slabs that contain the facet: unit normals, each with the centre and half the width of the facet along it
+    /// [voxels]. The plane's normal is first; the others are in the plane, each perpendicular to an edge.
     pub(super) fn slabs(&self) -> [(DVec3, f64, f64); 4] {
         let slab = |direction: DVec3| {
             let [a, b, c] = self.corners.map(|corner| direction.dot(corner));
@@ -116,7 +116,7 @@ impl Facet {
         [slab(self.normal), across(0), across(1), across(2)]
     }
 
-    /// The facet as seen from `centre` [voxels].
+    /// Returns the facet relative to `centre` [voxels].
     #[inline(always)]
     pub(super) fn seen_from(&self, centre: DVec3) -> LocalFacet {
         let (along, outward) = (self.along[0], self.along[0].cross(self.normal));
@@ -171,7 +171,7 @@ impl LocalFacet {
     }
 }
 
-/// One instruction, unlike `f32::max`, which must care for NaN.
+/// One instruction, unlike `f32::max`, which must handle NaN.
 #[inline(always)]
 pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -1,4 +1,4 @@
-//! The values of all touched bricks.
+//! Fills the values of all touched bricks.
 
 use std::ops::Range;
 
@@ -12,10 +12,10 @@ use super::{scatter::BrickTriangles, sign};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE};
 use crate::index::entry_brick;
 
-/// Most bricks handed to one task; any number gives the same result.
+/// Greatest number of bricks per task; the result does not depend on it.
 const BRICKS: usize = 32;
 
-/// Counts of voxels, of a brick or of all.
+/// Numbers of voxels, of a brick or of all bricks.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Counts {
     pub(super) all: usize,
@@ -30,7 +30,7 @@ impl Counts {
     }
 }
 
-/// Fills the grid's bricks, up to `reach` [voxels] from the triangles; returns the sum of what they hold.
+/// Fills the grid's bricks, up to `reach` [voxels] from the triangles; returns the total numbers of voxels.
 pub(super) fn fill(scene: &Scene, options: &BakeOptions, reach: f64, grid: &mut BrickGrid) -> Counts {
     let mut phi = vec![0.0; scene.near.brick_count() * BRICK_VOXELS];
     let frame = &*grid;
@@ -64,7 +64,8 @@ pub(super) fn fill(scene: &Scene, options: &BakeOptions, reach: f64, grid: &mut 
     })
 }
 
-/// Moves the bricks that hold a part of the band, or both sides, into the grid, and says of the others where they are.
+/// Moves the bricks that contain a part of the band, or both signs, into the grid, and marks the others inside or
+/// outside.
 fn collect(mut phi: Vec<f32>, counts: &[Counts], near: &BrickTriangles, grid: &mut BrickGrid) {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for (b, brick) in counts.iter().enumerate() {
@@ -86,7 +87,7 @@ fn collect(mut phi: Vec<f32>, counts: &[Counts], near: &BrickTriangles, grid: &m
     grid.phi = phi;
 }
 
-/// Moves runs of values down to the start, one behind the other, the two halves at once.
+/// Moves runs of values to the start, one after the other, both halves in parallel.
 fn close_gaps(phi: &mut [f32], runs: &[Range<usize>]) {
     let (lower, upper) = runs.split_at(runs.partition_point(|run| run.start < phi.len() / 2));
     let kept: usize = lower.iter().map(Range::len).sum();
@@ -96,9 +97,9 @@ fn close_gaps(phi: &mut [f32], runs: &[Range<usize>]) {
     low[kept..kept + head.len()].copy_from_slice(&head);
 }
 
-/// Moves runs down to the start of `values`, without the first `ahead` of their values, which are returned.
+/// Moves runs to the start of `values`, without the first `ahead` of their values, which are returned.
 ///
-/// - `first`: where `values` start in what the runs count
+/// - `first`: index of the first of `values` in the runs' numbering
 fn pack(values: &mut [f32], first: usize, runs: &[Range<usize>], ahead: usize) -> Vec<f32> {
     let mut head = Vec::with_capacity(ahead);
     let mut end = 0;

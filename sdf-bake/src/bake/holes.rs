@@ -1,9 +1,9 @@
-//! Closing a surface for the sign alone: turned triangles are turned back, holes get patches.
+//! Closes a surface for the sign only: reversed triangles are flipped, and holes are patched.
 //!
-//! The edges that are not passed equally often both ways form closed walks, whatever the surface is like: as many of
-//! them end at a vertex as start there, since each triangle's outline does so (the boundary of a boundary is nothing). So
-//! any surface closes with a patch over each of its rims, and then every edge is balanced, which is all that counting
-//! crossings asks for (`columns.rs`). The distance never sees a patch.
+//! The edges that are not used equally often in both directions form closed walks on any surface: as many of them end
+//! at a vertex as start there, since this holds for each triangle's outline (the boundary of a boundary is empty). So
+//! any surface closes with a patch over each of its rims. Every edge is then balanced, which is all that counting
+//! crossings requires (`columns.rs`). The distance never uses a patch.
 
 use std::borrow::Cow;
 
@@ -15,7 +15,7 @@ use super::skin::Corners;
 use crate::Mesh;
 use crate::clean::{EdgeMap, disagreeing};
 
-/// Patches of more than this share of the surface's area mean that it hardly hangs together, or is a sheet.
+/// Greatest share of patches in the surface's area; above it the surface is hardly connected, or a sheet.
 const MOST_PATCHED: f64 = 0.9;
 
 /// A surface whose triangles and patches together are closed.
@@ -23,15 +23,15 @@ pub(super) struct Closed<'a> {
     pub(super) mesh: Cow<'a, Mesh>,
     /// Triangles over holes.
     pub(super) patches: Vec<Corners>,
-    /// Those of holes that the surface around them does not continue into: what is inside there is a guess.
+    /// Patches over holes that do not continue the surface around them: the sign there is ambiguous.
     pub(super) guesses: Vec<Corners>,
-    /// Holes with a patch.
+    /// Number of patched holes.
     pub(super) holes: usize,
-    /// Triangles turned to agree with their neighbours.
+    /// Number of triangles flipped to agree with their neighbours.
     pub(super) turned: usize,
 }
 
-/// Closes a surface; `None` if patches would outweigh it.
+/// Closes a surface; `None` if the patches would outweigh it.
 pub(super) fn close<'a>(mesh: &'a Mesh, edges: &EdgeMap) -> Option<Closed<'a>> {
     let differs = |edge: usize| edges.uses(edge).len() == 2 && !edges.is_balanced(edge);
     let mut closed = Closed::as_it_is(mesh);
@@ -53,7 +53,7 @@ pub(super) fn close<'a>(mesh: &'a Mesh, edges: &EdgeMap) -> Option<Closed<'a>> {
 }
 
 impl<'a> Closed<'a> {
-    /// A surface that is closed already.
+    /// A surface that is already closed.
     pub(super) fn as_it_is(mesh: &'a Mesh) -> Self {
         Self { mesh: Cow::Borrowed(mesh), patches: Vec::new(), guesses: Vec::new(), holes: 0, turned: 0 }
     }
@@ -72,16 +72,16 @@ impl<'a> Closed<'a> {
     }
 }
 
-/// An edge as a patch must pass it for the surface to close.
+/// An edge in the direction in which a patch must use it to close the surface.
 #[derive(Clone, Copy)]
 struct Arc {
     from: u32,
     to: u32,
-    /// Unit normal of a face there.
+    /// Unit normal of a face at this edge.
     normal: DVec3,
 }
 
-/// What is missing for every edge to be passed equally often both ways, sorted by where it starts.
+/// Directed edges that are missing for every edge to be used equally often in both directions, sorted by start vertex.
 fn arcs(mesh: &Mesh, edges: &EdgeMap) -> Vec<Arc> {
     let mut arcs = Vec::new();
     for edge in edges.indices().filter(|&edge| !edges.is_balanced(edge)) {
@@ -97,10 +97,10 @@ fn arcs(mesh: &Mesh, edges: &EdgeMap) -> Vec<Arc> {
     arcs
 }
 
-/// Splits arcs into closed walks that pass no vertex twice.
+/// Splits arcs into closed walks that visit no vertex twice.
 fn rims(arcs: Vec<Arc>) -> Vec<Vec<Arc>> {
     let vertices = arcs.iter().map(|arc| arc.from as usize + 1).max().unwrap_or(0);
-    // Next unused arc of each vertex, and where it is on the walk, plus one.
+    // Next unused arc of each vertex, and its position on the walk plus one.
     let mut next = vec![0; vertices + 1];
     let mut place = vec![0; vertices];
     for (at, arc) in arcs.iter().enumerate().rev() {

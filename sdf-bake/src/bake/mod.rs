@@ -1,9 +1,9 @@
-//! Baking: triangles to an exact narrow band with inside and outside known everywhere.
+//! Baking: converts triangles to an exact narrow band, with the sign known everywhere.
 //!
-//! The road: the surface is closed for the sign (`holes.rs`, `patch.rs`) and walls inside other bodies are taken out of
-//! the distance (`walls.rs`); each triangle is scattered to the bricks within one band of it (`scatter.rs`); each brick
-//! takes the exact distance to its own triangles (`distance.rs`) and its signs from crossings counted along the
-//! lattice's columns (`columns.rs`). A soup is signed by the generalised winding number instead (`sign.rs`,
+//! Steps: the surface is closed for the sign (`holes.rs`, `patch.rs`), and walls inside other bodies are removed from
+//! the distance (`walls.rs`). Each triangle is scattered to the bricks within one band of it (`scatter.rs`). Each brick
+//! gets the exact distance to its own triangles (`distance.rs`), and its signs from crossings counted along the
+//! lattice's columns (`columns.rs`). The signs of a soup come from the generalised winding number instead (`sign.rs`,
 //! [`WindingTree`]).
 
 mod closed;
@@ -39,23 +39,23 @@ use error::FARTHEST;
 pub use options::{BakeOptions, BakeReport, SignChoice, SignMethod};
 pub use winding::WindingTree;
 
-/// Largest box around a part [bricks].
+/// Greatest size of the box around a part [bricks].
 const MAX_INDEX: f64 = 1.28e8;
 
-/// Largest ambiguous share of the band that the automatic sign accepts.
+/// Greatest ambiguous share of the band that the automatic sign accepts.
 const AMBIGUOUS_LIMIT: f64 = 0.005;
 
-/// Thinnest shell [voxels]: thinner ones slip between voxels.
+/// Least thickness of a shell [voxels]; thinner shells may fall between voxels.
 const LEAST_SHELL: f64 = 2.0;
 
 /// Bakes a mesh into a brick grid.
 ///
-/// Distances within the band are exact to about 1e-6 voxels. Overlapping, nested and touching bodies are united: a point
-/// is inside where the winding number (Jacobson et al. 2013) exceeds one half, and φ is the distance to the surface of
-/// the whole. Holes are patched for the sign only.
+/// Distances within the band are exact to about 1e-6 voxels. Overlapping, nested and touching bodies are united: a
+/// point is inside if the winding number (Jacobson et al. 2013) exceeds one half, and φ is the distance to the surface
+/// of the union. Holes are patched for the sign only.
 ///
 /// # Errors
-/// [`BakeError`] for an empty mesh, unusable options, a grid that cannot fit, or a surface without a clear inside.
+/// [`BakeError`] for an empty mesh, unusable options, a grid that is too large, or a surface with an ambiguous inside.
 pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport), BakeError> {
     let mut grid = frame(mesh, options)?;
     let (edges, skin) = rayon::join(|| EdgeMap::new(mesh), || Skin::of(mesh, grid.voxel));
@@ -89,13 +89,13 @@ pub fn bake(mesh: &Mesh, options: &BakeOptions) -> Result<(BrickGrid, BakeReport
     Ok((grid, report))
 }
 
-/// Marks bricks above one another as inside.
+/// Marks a run of bricks in a column as inside.
 fn fill_column(grid: &mut BrickGrid, entries: &Range<usize>) {
     let (low, last) = (entry_brick(entries.start, grid.dims), entry_brick(entries.end - 1, grid.dims));
     grid.index.fill(low, last + 1, INSIDE);
 }
 
-/// Refuses a surface without a clear inside.
+/// Rejects a surface with an ambiguous inside.
 fn check(report: &BakeReport, filled: &Counts, options: &BakeOptions) -> Result<(), BakeError> {
     let BakeReport { boundary_edges, ambiguous_share: share, .. } = *report;
     if filled.inside == 0 {
@@ -107,14 +107,14 @@ fn check(report: &BakeReport, filled: &Counts, options: &BakeOptions) -> Result<
     Ok(())
 }
 
-/// An empty grid whose index reaches one brick beyond the band on every side.
+/// Makes an empty grid whose index extends one brick beyond the band on every side.
 fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     let BakeOptions { voxel, band_voxels, shell, .. } = *options;
     if !(voxel > 0.0 && voxel.is_finite() && band_voxels >= 2.0 && band_voxels.is_finite()) {
         return Err(BakeError::Options { voxel, band_voxels });
     }
     let least = LEAST_SHELL * voxel;
-    // Written so that a thickness that is no number is refused too.
+    // Written so that a NaN thickness is rejected too.
     if let Some(thickness) = shell.filter(|&thickness| !(thickness >= least && thickness.is_finite())) {
         return Err(BakeError::ThinShell { thickness, voxel, least });
     }
@@ -125,7 +125,7 @@ fn frame(mesh: &Mesh, options: &BakeOptions) -> Result<BrickGrid, BakeError> {
     let dims = ((high + reach) / brick).floor() + 1.0 - first + 1.0;
     let cells = dims.element_product();
     let away = first.abs().max((first + dims).abs()).max_element() * brick;
-    // A coordinate that is no number neither fits nor is near.
+    // With a NaN coordinate both are false.
     let (fits, is_near) = (cells <= MAX_INDEX, away <= FARTHEST * voxel);
     if !fits {
         let least_voxel = (voxel * (cells / MAX_INDEX).cbrt()).max(away / FARTHEST);

@@ -1,9 +1,9 @@
-//! Inside and outside by angle-weighted normals.
+//! Sign from angle-weighted normals.
 //!
-//! A point is outside where it lies on the outer side of the normal at its closest point of the surface: the face's
-//! own, on an edge the sum of its two faces', at a vertex the sum of its faces' weighted by their angles there
-//! (Bærentzen & Aanæs 2005). This holds for closed surfaces with one orientation that do not pass through themselves
-//! or one another.
+//! A point is outside if it lies on the outer side of the normal at its closest surface point: the face's own normal,
+//! on an edge the sum of its two faces' normals, at a vertex the sum of its faces' normals weighted by their angles
+//! (Bærentzen & Aanæs 2005). This holds for closed, consistently oriented surfaces that do not intersect themselves or
+//! one another.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use crate::Mesh;
 use crate::clean::EdgeMap;
 use crate::query::MeshQuery;
 
-/// Weights below this are on an edge or a vertex.
+/// Barycentric coordinates below this are on an edge or a vertex.
 const ON_EDGE: f64 = 1e-9;
 
 pub(super) struct Normals<'a> {
@@ -22,7 +22,7 @@ pub(super) struct Normals<'a> {
     vertices: Vec<DVec3>,
 }
 
-/// Why normals can err on a surface, if they can.
+/// Reason why normals can give wrong signs on a surface, if any.
 pub(super) fn doubt(mesh: &Mesh, edges: &EdgeMap) -> Option<String> {
     let count = |is_so: &dyn Fn(usize) -> bool| edges.indices().filter(|&edge| is_so(edge)).count();
     let open = edges.boundary_count();
@@ -41,7 +41,7 @@ pub(super) fn doubt(mesh: &Mesh, edges: &EdgeMap) -> Option<String> {
 }
 
 impl<'a> Normals<'a> {
-    /// - `mesh`: without [`doubt`]
+    /// - `mesh`: a mesh for which [`doubt`] is `None`
     pub(super) fn new(mesh: &'a Mesh, edges: &'a EdgeMap) -> Self {
         let mut vertices = vec![DVec3::ZERO; mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -54,7 +54,7 @@ impl<'a> Normals<'a> {
         Self { mesh, edges, query: MeshQuery::new(mesh), vertices }
     }
 
-    /// Whether a point [m] is inside.
+    /// True if a point [m] is inside.
     pub(super) fn is_inside(&self, point: DVec3) -> bool {
         let closest = self.query.closest(point);
         let triangle = closest.triangle as usize;

@@ -1,21 +1,21 @@
-//! What to bake, and what baking did.
+//! Options and report of baking.
 
 use serde::{Deserialize, Serialize};
 
-/// How inside and outside are told apart.
+/// Requested method for the sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SignChoice {
-    /// Whatever suits the surface; refuses an open one whose inside is unclear.
+    /// Chosen for the surface; rejects an open surface whose inside is ambiguous.
     #[default]
     Auto,
-    /// Angle-weighted normals (Bærentzen & Aanæs 2005); refuses a surface on which they can err.
+    /// Angle-weighted normals (Bærentzen & Aanæs 2005); rejects a surface on which they can be wrong.
     Normal,
-    /// As [`SignChoice::Auto`], also where an open surface leaves the inside to a guess.
+    /// As [`SignChoice::Auto`], but also accepts an open surface whose inside is ambiguous.
     Winding,
 }
 
-/// What to bake.
+/// Options of baking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeOptions {
     /// Distance between voxels [m].
@@ -24,7 +24,7 @@ pub struct BakeOptions {
     pub band_voxels: f64,
     /// Sign rule.
     pub sign: SignChoice,
-    /// Thickness of a shell around the surface [m], instead of what the surface encloses.
+    /// Thickness of a shell around the surface [m], to be baked instead of the enclosed solid.
     pub shell: Option<f64>,
 }
 
@@ -34,26 +34,27 @@ impl BakeOptions {
         Self { voxel, band_voxels: 3.0, sign: SignChoice::Auto, shell: None }
     }
 
-    /// Half the thickness of the shell [m], 0 without one.
+    /// Half the thickness of the shell [m]; 0 without a shell.
     pub fn half_shell(&self) -> f64 {
         0.5 * self.shell.unwrap_or(0.0)
     }
 }
 
-/// Where inside and outside came from.
+/// Method that gave the sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SignMethod {
-    /// Signed crossings along columns of voxels: exact, for surfaces whose edges are all passed equally often both ways.
+    /// Signed crossings along columns of voxels: exact, for surfaces whose edges are all used equally often in both
+    /// directions.
     #[default]
     Crossings,
     /// Signed crossings of the surface with its holes patched.
     Patched,
-    /// Generalised winding number, for surfaces that hardly hang together.
+    /// Generalised winding number, for surfaces that are hardly connected.
     Winding,
     /// Angle-weighted normals.
     Normals,
-    /// Within half the thickness of the surface.
+    /// Shell: inside is within half the thickness of the surface.
     Shell,
 }
 
@@ -69,7 +70,7 @@ impl std::fmt::Display for SignMethod {
     }
 }
 
-/// What baking did.
+/// Results of baking.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BakeReport {
     /// Distance between voxels [m].
@@ -80,17 +81,17 @@ pub struct BakeReport {
     pub bricks: usize,
     /// Voxels with |φ| < band.
     pub active_voxels: usize,
-    /// Where inside and outside came from.
+    /// Method that gave the sign.
     pub sign_method: SignMethod,
-    /// Why that and not another.
+    /// Reason for this method.
     #[serde(default)]
     pub sign_reason: String,
-    /// Edges with one triangle only.
+    /// Edges with only one triangle.
     pub boundary_edges: usize,
-    /// Share of the judged voxels whose winding number is farther than 0.25 from a whole number, where the surface
-    /// does not tell how it goes on.
+    /// Share of the tested voxels whose winding number differs from a whole number by more than 0.25, where the surface
+    /// does not show how it continues.
     pub ambiguous_share: f64,
-    /// Triangles that are no part of the surface of the whole, or not wholly, since they lie inside another body.
+    /// Triangles that lie inside another body, entirely or partly, and so are not part of the union's surface.
     #[serde(default)]
     pub inner_triangles: usize,
 }

@@ -1,21 +1,21 @@
-//! A patch over one hole: the triangulation of its rim that continues the surface best.
+//! Patch over a hole: the triangulation of its rim that best continues the surface.
 //!
-//! Over all triangulations of the rim, Σ area · (1 + λ · lean) is least, where a triangle's lean is the mean over its
-//! corners of 1 − cos of the angle to the nearer of the two faces at the rim there. Area alone would span a hole in an
-//! edge of the part like a film of soap and cut the edge off; λ makes the flat pieces on either side, which meet in
-//! the edge, the cheaper way. The minimum is found by dynamic programming over the rim's chords (Barequet & Sharir 1995).
+//! Over all triangulations of the rim, Σ area · (1 + λ · lean) is minimal, where a triangle's lean is the mean over its
+//! corners of 1 − cos of the angle to the nearer of the two faces at the rim there. Area alone would give a minimal
+//! surface that cuts off an edge of the part; λ makes the flat pieces on either side, which meet in the edge, the
+//! cheaper solution. The minimum is found by dynamic programming over the rim's chords (Barequet & Sharir 1995).
 
 use glam::DVec3;
 
 use super::skin::Corners;
 
-/// λ: how much more a triangle costs whose normal is square to the faces around it.
+/// λ: relative extra cost of a triangle whose normal is perpendicular to those of the faces around it.
 const LEAN_COST: f64 = 10.0;
 
-/// Longest rim that is solved exactly, in O(n³); longer ones lose their cheapest corners first.
+/// Greatest number of corners of a rim that is solved exactly, in O(n³); longer rims lose their cheapest corners first.
 const EXACT_LIMIT: usize = 96;
 
-/// Mean cosine between a patch and the surface at its rim from which on the patch counts as its continuation.
+/// Mean cosine between a patch and the surface at its rim from which the patch counts as a continuation.
 const CONTINUES: f64 = 0.5;
 
 /// A corner of a rim.
@@ -29,12 +29,12 @@ pub(super) struct RimCorner {
 /// Triangles over a hole.
 pub(super) struct Patch {
     pub(super) triangles: Vec<Corners>,
-    /// Whether the patch goes on as the surface around it does, so that there is little doubt about it.
+    /// True if the patch continues the surface around it, so that its sign is hardly ambiguous.
     pub(super) continues: bool,
 }
 
 impl Patch {
-    /// Closes a rim, passed so that the patch's normals point out of the solid.
+    /// Closes a rim whose direction makes the patch's normals point out of the solid.
     pub(super) fn over(mut rim: Vec<RimCorner>) -> Self {
         let mut patch = Continuation::default();
         while rim.len() > EXACT_LIMIT {
@@ -45,7 +45,7 @@ impl Patch {
     }
 }
 
-/// A patch that grows, with how well it continues the rim: Σ length · cosine and Σ length.
+/// A growing patch, with a measure of how well it continues the rim: Σ length · cosine and Σ length.
 #[derive(Default)]
 struct Continuation {
     triangles: Vec<Corners>,
@@ -60,7 +60,8 @@ impl Continuation {
         self.length += length;
     }
 
-    /// Cuts off up to half of the corners, the cheapest, no two beside one another; what is cut off becomes surface.
+    /// Cuts off up to half of the corners, the cheapest first, no two of them adjacent; their triangles are added to
+    /// the patch.
     fn cut_cheapest_corners(&mut self, rim: &mut Vec<RimCorner>) {
         let n = rim.len();
         let ear = |i: usize| [rim[(i + n - 1) % n], rim[i], rim[(i + 1) % n]];
@@ -95,7 +96,7 @@ impl Continuation {
         *rim = shorter;
     }
 
-    /// The best triangulation of a short rim.
+    /// Finds the best triangulation of a short rim.
     fn fill(&mut self, rim: &[RimCorner]) {
         let n = rim.len();
         let mut least = vec![0.0; n * n];
@@ -126,8 +127,9 @@ impl Continuation {
     }
 }
 
-/// The least cost of all triangles between a chord and the rim from `i` to `j`, and the corner of the triangle at the
-/// chord that has it, the first of equals. `least` holds that cost of each shorter chord, both ways round.
+/// Returns the least cost of all triangles between a chord and the rim from `i` to `j`, and the corner of the triangle
+/// at the chord that attains it, the first of equals. `least` holds this cost for each shorter chord, in both
+/// directions.
 fn best_apex(rim: &[RimCorner], least: &[f64], [i, j]: [usize; 2]) -> (f64, usize) {
     let (from_i, from_j) = (&least[i * rim.len()..], &least[j * rim.len()..]);
     let chords = |k: usize| from_i[k] + from_j[k];
@@ -135,7 +137,7 @@ fn best_apex(rim: &[RimCorner], least: &[f64], [i, j]: [usize; 2]) -> (f64, usiz
     let promising = (i + 2..j).fold(i + 1, |a, b| if chords(b) < chords(a) { b } else { a });
     let mut best = (total(promising), promising);
     for k in i + 1..j {
-        // No triangle costs less than nothing, so most need not be looked at.
+        // Costs are not negative, so most triangles need not be evaluated.
         if chords(k) <= best.0 {
             let other = (total(k), k);
             best = if other < best { other } else { best };
@@ -148,7 +150,7 @@ fn normal_of([a, b, c]: Corners) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Area times one plus what the triangle's lean costs.
+/// Cost of a triangle: area times (1 + λ · lean).
 fn cost(rim: &[RimCorner], corners: [usize; 3]) -> f64 {
     let [a, b, c] = corners.map(|i| rim[i].position);
     let doubled_area_normal = (b - a).cross(c - a);

@@ -1,7 +1,7 @@
-//! Which triangles can matter to which brick.
+//! Assigns triangles to the bricks that they can affect.
 //!
-//! Triangles are walked, not voxels queried: a triangle's brick range is halved until a piece is too far from
-//! it. Long slivers therefore cost what their surface costs, not what their bounding box does.
+//! The loop runs over triangles, not over voxels: a triangle's brick range is bisected until a piece is too far from
+//! it. The cost of long slivers is therefore proportional to their surface, not to their bounding box.
 
 use std::ops::Range;
 
@@ -21,13 +21,13 @@ pub(super) struct BrickTriangles {
     slabs: Vec<Vec<NearTriangle>>,
 }
 
-/// Where the triangles of a brick are.
+/// Location of the triangles of a brick.
 struct Place {
     slab: usize,
     triangles: Range<usize>,
 }
 
-/// Index of a triangle, and in the highest bit whether it may cross columns within the brick.
+/// Index of a triangle; the highest bit is set if it may cross columns within the brick.
 #[derive(Clone, Copy, Default)]
 pub(super) struct NearTriangle(u32);
 
@@ -59,7 +59,7 @@ impl BrickTriangles {
         &self.slabs[*slab][triangles.clone()]
     }
 
-    /// Runs of touched bricks above one another, each from low to high; `height` is the index's extent along z.
+    /// Runs of touched bricks in the same column, each from low to high; `height` is the index's extent along z.
     pub(super) fn stacks(&self, height: usize) -> Vec<Range<usize>> {
         let mut stacks = Vec::new();
         let mut first = 0;
@@ -71,19 +71,20 @@ impl BrickTriangles {
     }
 }
 
-/// Triangles handed to one task; any number gives the same result.
+/// Number of triangles per task; the result does not depend on it.
 const CHUNK: usize = 256;
 
-/// Most slabs: runs of index entries whose triangles are sorted by one task each; any number gives the same result.
+/// Greatest number of slabs, which are runs of index entries whose triangles one task sorts; the result does not depend
+/// on it.
 const SLABS: usize = 16;
 
 /// A brick's index entry and a triangle near it.
 type Pair = (u32, NearTriangle);
 
-/// The pairs of each slab.
+/// Pairs of each slab.
 type SlabPairs = [Vec<Pair>; SLABS];
 
-/// Brings each facet of a skin to the bricks within `reach` [voxels] of it.
+/// Assigns each facet of a skin to the bricks within `reach` [voxels] of it.
 pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangles {
     let entries = grid.dims.as_usizevec3().element_product();
     let slab = entries.div_ceil(SLABS).next_power_of_two();
@@ -99,16 +100,16 @@ pub(super) fn scatter(skin: &Skin, grid: &BrickGrid, reach: f64) -> BrickTriangl
     gather(&scattered, slab)
 }
 
-/// A call that is compiled for each kind of lanes; all that it calls is inlined into it.
+/// Compiled by `pulp` for each instruction set; all functions that it calls are inlined.
 struct ScatterChunk<'a> {
     /// Index of the first facet.
     first: usize,
     facets: &'a [Facet],
     skin: &'a Skin,
     grid: &'a BrickGrid,
-    /// How far from those that serve the distance bricks matter [voxels].
+    /// Reach of the facets that serve the distance [voxels].
     reach: f64,
-    /// Index entries in a slab, a power of two.
+    /// Index entries per slab, a power of two.
     slab: usize,
 }
 
@@ -151,13 +152,13 @@ fn gather(scattered: &[SlabPairs], slab: usize) -> BrickTriangles {
     near
 }
 
-/// Sorts the pairs of a slab by entry, by counting; those of one entry keep their order.
+/// Counting sort of the pairs of a slab by entry; those of one entry keep their order.
 fn gather_slab(scattered: &[SlabPairs], at: usize, slab: usize) -> BrickTriangles {
     let pairs = || scattered.iter().flat_map(|slabs| &slabs[at]);
     let mut count = vec![0u32; slab];
     pairs().for_each(|&(entry, _)| count[entry as usize & (slab - 1)] += 1);
     let mut near = BrickTriangles::default();
-    // From here on, a touched entry's count is where its next triangle goes.
+    // From here on, a touched entry's count is the position of its next triangle.
     let mut total = 0;
     for (entry, count) in count.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let start = total;
@@ -176,7 +177,7 @@ fn gather_slab(scattered: &[SlabPairs], at: usize, slab: usize) -> BrickTriangle
     near
 }
 
-/// A triangle from afar, with how far from it bricks matter [voxels].
+/// Bounds of a triangle, and its reach [voxels].
 struct Outline {
     bounds: (DVec3, DVec3),
     slabs: [(DVec3, f64, f64); 4],
@@ -184,8 +185,8 @@ struct Outline {
 }
 
 impl Outline {
-    /// Calls `touch` with every brick that may hold a voxel within reach, and whether the triangle's box meets the
-    /// brick's, which reaches one voxel farther than its voxels. `pieces` is memory to use again.
+    /// Calls `touch` with every brick that may contain a voxel within reach, and with true if the triangle's box meets
+    /// the brick's box, which extends one voxel farther than its voxels. `pieces` is working memory.
     #[inline(always)]
     fn touched_bricks(&self, pieces: &mut Vec<Piece>, mut touch: impl FnMut(IVec3, bool)) {
         let size = BRICK_SIDE as f64;
@@ -211,8 +212,8 @@ impl Outline {
         }
     }
 
-    /// Whether a box around `centre` is surely out of reach: by the gaps between it and the triangle's box, or by
-    /// the gaps along the normal and one direction square to it.
+    /// True if a box around `centre` is certainly out of reach: by the gaps between it and the triangle's box, or by
+    /// the gaps along the normal and one direction perpendicular to it.
     #[inline(always)]
     fn is_beyond(&self, centre: DVec3, half: DVec3) -> bool {
         let (low, high) = self.bounds;

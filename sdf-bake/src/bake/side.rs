@@ -1,4 +1,4 @@
-//! Which rule tells inside from outside, and why.
+//! Choice of the rule for the sign, with its reason.
 
 use super::columns::{self, Insides};
 use super::error::BakeError;
@@ -13,19 +13,19 @@ use crate::clean::EdgeMap;
 use crate::grid::BrickGrid;
 use crate::mesh::Mesh;
 
-/// The rule for a surface.
+/// Rule for the sign of a surface.
 pub(super) enum Plan<'a> {
     /// Crossings of the closed surface along columns.
     Columns(Closed<'a>),
-    /// Normals of the surface, whose crossings are only counted to find bodies that overlap.
+    /// Normals of the surface; its crossings are counted only to find overlapping bodies.
     Normals(Closed<'a>),
-    /// Generalised winding number of a surface that hardly hangs together.
+    /// Generalised winding number of a surface that is hardly connected.
     Winding(&'a Mesh),
-    /// Thickness around the surface.
+    /// Shell of a thickness around the surface.
     Shell,
 }
 
-/// What tells inside from outside, made ready.
+/// A rule prepared for evaluation.
 pub(super) enum Side<'a> {
     Columns(Insides),
     Normals(Normals<'a>),
@@ -33,18 +33,18 @@ pub(super) enum Side<'a> {
     Shell,
 }
 
-/// All that filling bricks reads.
+/// All data that filling bricks reads.
 pub(super) struct Scene<'a> {
     pub(super) skin: Skin,
     pub(super) near: BrickTriangles,
     pub(super) side: Side<'a>,
-    /// Triangles that lie inside another body, or partly.
+    /// Triangles that lie inside another body, entirely or partly.
     pub(super) inner_triangles: usize,
 }
 
 impl<'a> Plan<'a> {
     /// # Errors
-    /// Where normals are asked for and can err.
+    /// If normals are requested on a surface where they can be wrong.
     pub(super) fn new(mesh: &'a Mesh, edges: &EdgeMap, options: &BakeOptions) -> Result<Self, BakeError> {
         if options.shell.is_some() {
             return Ok(Self::Shell);
@@ -58,7 +58,7 @@ impl<'a> Plan<'a> {
         Ok(close(mesh, edges).map_or(Self::Winding(mesh), Self::Columns))
     }
 
-    /// Corners [m] of the patches over holes that leave the inside to a guess.
+    /// Corners [m] of the patches over holes that leave the sign ambiguous.
     pub(super) fn guesses(&self) -> &[Corners] {
         match self {
             Self::Columns(closed) => &closed.guesses,
@@ -76,7 +76,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Why this rule, for people.
+    /// Reason for this rule, as a sentence.
     pub(super) fn reason(&self, edges: &EdgeMap) -> String {
         match self {
             Self::Columns(Closed { holes: 0, turned: 0, .. }) => {
@@ -96,8 +96,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// - `skin`: of the mesh as given
-    /// - `reach`: how far from triangles distances matter [voxels]
+    /// - `skin`: facets of the mesh as given
+    /// - `reach`: greatest distance to triangles that is computed [voxels]
     pub(super) fn scene<'b>(&'b self, skin: Skin, edges: &'b EdgeMap, grid: &BrickGrid, reach: f64) -> Scene<'b> {
         match self {
             Self::Columns(closed) => united(closed, skin, edges, grid, reach),
@@ -117,7 +117,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Signs of a closed surface from crossings, with the walls inside other bodies taken out of the distance.
+/// Signs of a closed surface from crossings; walls inside other bodies are removed from the distance.
 fn united<'a>(closed: &Closed, skin: Skin, edges: &EdgeMap, grid: &BrickGrid, reach: f64) -> Scene<'a> {
     let whole = closed.patches.is_empty() && closed.turned == 0;
     let mut skin = if whole { skin } else { Skin::new(&closed.patches, &closed.mesh, &[], grid.voxel) };

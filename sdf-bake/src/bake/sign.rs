@@ -1,9 +1,9 @@
-//! Inside and outside, judged sparingly.
+//! Inside and outside with few evaluations of the winding number.
 //!
-//! Two neighbouring voxels whose distances add up to more than the step between them lie on the same side: the
-//! balls around them, free of surface, cover the step. Such voxels form components, and the winding number of the one
+//! Two neighbouring voxels whose distances add up to more than the step between them lie on the same side: the balls
+//! around them contain no surface and cover the step. Such voxels form components, and the winding number of the voxel
 //! farthest from the surface gives the sign of all. If the surface has holes, it must agree with those of the
-//! component's outermost voxels; where they differ, a hole joins inside and outside, and each voxel is judged by itself.
+//! component's outermost voxels; otherwise a hole joins inside and outside, and each voxel is evaluated separately.
 
 use std::collections::VecDeque;
 
@@ -19,29 +19,29 @@ use crate::clean::EdgeMap;
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, cell_corner, voxel_at, voxel_offset};
 use crate::index::entry_brick;
 
-/// Winding numbers farther than this from a whole number count as ambiguous.
+/// Distance of a winding number from a whole number above which it is ambiguous.
 const AMBIGUOUS: f64 = 0.25;
 
-/// Voxels closer to the surface than this [voxels] lie on it: there the winding number jumps and says nothing.
+/// Distance below which a voxel lies on the surface [voxels]; there the winding number jumps and is meaningless.
 const ON_SURFACE: f32 = 1e-4;
 
-/// Samples of a component must agree to this much before they speak for all of it: through a hole the winding number
-/// goes smoothly from inside to outside.
+/// Greatest difference between the samples of a component that still gives one sign to all of it: through a hole the
+/// winding number changes smoothly from inside to outside.
 const AGREEMENT: f64 = 0.1;
 
-/// Voxels asked for the ambiguous share: an accepted share of 0.5 % is then known to 0.06 %.
+/// Greatest number of voxels evaluated for the ambiguous share; it determines a share of 0.5 % to 0.06 %.
 const MOST_ASKED: usize = 1 << 14;
 
-/// Most bricks handed to one task; any number gives the same result.
+/// Greatest number of bricks per task; the result does not depend on it.
 const BRICKS: usize = 32;
 
-/// Points asked about at once.
+/// Points evaluated together.
 const LANES: usize = 8;
 
-/// A surface that does not close, or not with one orientation.
+/// A surface that is not closed, or not consistently oriented.
 pub(super) struct Surface {
     tree: WindingTree,
-    /// Whether it ends anywhere, so that inside and outside may hang together.
+    /// True if it has boundary edges, so that inside and outside may be connected.
     has_holes: bool,
 }
 
@@ -52,7 +52,7 @@ impl Surface {
     }
 }
 
-/// Turns a brick's distances into signed ones; returns its ambiguous and its inside voxels.
+/// Converts a brick's distances to signed distances; returns the numbers of its ambiguous and of its inside voxels.
 pub(super) fn judge(brick: IVec3, phi: &mut [f32], surface: &Surface, grid: &BrickGrid) -> (usize, usize) {
     let windings_at = |voxels: &[usize]| windings(voxels, brick, &surface.tree, grid);
     let members = members(&components(phi, grid.voxel as f32));
@@ -91,7 +91,7 @@ fn windings(voxels: &[usize], brick: IVec3, tree: &WindingTree, grid: &BrickGrid
     windings
 }
 
-/// As [`judge`], by normals, for a surface without holes; returns the inside voxels.
+/// [`judge`] by normals, for a surface without holes; returns the number of inside voxels.
 pub(super) fn judge_by_normals(brick: IVec3, phi: &mut [f32], normals: &Normals, grid: &BrickGrid) -> usize {
     let mut inside = 0;
     for voxels in members(&components(phi, grid.voxel as f32)) {
@@ -104,9 +104,9 @@ pub(super) fn judge_by_normals(brick: IVec3, phi: &mut [f32], normals: &Normals,
     inside
 }
 
-/// Share of the voxels of the touched bricks at which patches leave the inside to a guess: without them the winding
-/// number would be farther than [`AMBIGUOUS`] from a whole number. One voxel of 64 is asked, and of large fields as many
-/// bricks as make [`MOST_ASKED`].
+/// Share of the voxels of the touched bricks at which patches leave the sign ambiguous: without the patches, the
+/// winding number would differ from a whole number by more than [`AMBIGUOUS`]. One voxel of 64 is evaluated; in large
+/// fields the bricks are sampled to give [`MOST_ASKED`].
 pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: &BrickGrid) -> f64 {
     if patches.is_empty() {
         return 0.0;
@@ -124,7 +124,7 @@ pub(super) fn ambiguous_share(patches: &[Corners], near: &BrickTriangles, grid: 
     ambiguous as f64 / (LANES * asked.len()) as f64
 }
 
-/// The voxels of each component, in order.
+/// Voxels of each component, in order.
 fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
     let mut members = vec![Vec::new(); BRICK_VOXELS];
     for (voxel, &root) in component.iter().enumerate() {
@@ -134,7 +134,7 @@ fn members(component: &[usize; BRICK_VOXELS]) -> Vec<Vec<usize>> {
     members
 }
 
-/// The voxel of a component farthest from the surface and, where holes may join two sides, also those outermost along
+/// The voxel of a component that is farthest from the surface; if holes may join two sides, also those outermost along
 /// the axes and diagonals.
 fn sampled(voxels: &[usize], distance: &[f32], has_holes: bool) -> Vec<usize> {
     let most = |measure: &dyn Fn(usize) -> f32| {
@@ -156,7 +156,7 @@ fn sampled(voxels: &[usize], distance: &[f32], has_holes: bool) -> Vec<usize> {
 const DIRECTIONS: [IVec3; 7] =
     [IVec3::X, IVec3::Y, IVec3::Z, IVec3::ONE, IVec3::new(1, 1, -1), IVec3::new(1, -1, 1), IVec3::new(-1, 1, 1)];
 
-/// Component of each voxel, named by one of its voxels.
+/// Component of each voxel, identified by one of its voxels.
 fn components(phi: &[f32], step: f32) -> [usize; BRICK_VOXELS] {
     let mut parent: [usize; BRICK_VOXELS] = std::array::from_fn(|i| i);
     fn root(parent: &mut [usize; BRICK_VOXELS], mut i: usize) -> usize {
@@ -181,8 +181,8 @@ fn components(phi: &[f32], step: f32) -> [usize; BRICK_VOXELS] {
 
 const FACES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
-/// Marks the entries without a brick: each connected region takes the side that most of the bordering voxels
-/// have; a region that reaches the edge of the index is outside.
+/// Marks the entries without a brick: each connected region takes the side of most of the bordering voxels; a region
+/// that reaches the edge of the index is outside.
 pub(super) fn flood_empty(grid: &mut BrickGrid) {
     let mut seen = vec![false; grid.dims.as_usizevec3().element_product()];
     for start in 0..seen.len() {
@@ -231,7 +231,7 @@ fn region(start: usize, grid: &BrickGrid, seen: &mut [bool]) -> Region {
     region
 }
 
-/// Outside minus inside voxels on the side of a brick that looks back along `face`.
+/// Number of outside minus inside voxels on the side of a brick opposite to `face`.
 fn face_votes(grid: &BrickGrid, slot: u32, face: IVec3) -> i64 {
     let base = slot as usize * BRICK_VOXELS;
     let axis = (0..3).find(|&a| face[a] != 0).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! The triangles of a bake, each with what it is for.
+//! The triangles of a bake, each with its purpose.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -7,10 +7,10 @@ use super::facet::Facet;
 use super::scatter::NearTriangle;
 use crate::Mesh;
 
-/// A facet that serves the sign only matters where it crosses a column; this much is more than enough [voxels].
+/// Reach of a facet that serves the sign only [voxels]; it matters only where it crosses a column.
 const CROSSING_REACH: f64 = 1.0;
 
-/// Most facets handed to one task; any number gives the same result.
+/// Greatest number of facets per task; the result does not depend on it.
 const FACETS: usize = 1024;
 
 /// The three corners of a triangle [m].
@@ -18,8 +18,9 @@ pub(super) type Corners = [DVec3; 3];
 
 /// Facets in three runs: for the sign only, for both sign and distance, for the distance only.
 ///
-/// Most parts have the middle run alone. Patches over holes and walls inside another body tell inside from outside
-/// without being surface; what is left of a wall that is partly inside is surface, and its whole tells the sides.
+/// Most parts have the middle run only. Patches over holes and walls inside another body determine the sign without
+/// being surface. A wall that is partly inside is split: the remaining pieces serve the distance, and the whole
+/// triangle serves the sign.
 pub(super) struct Skin {
     pub(super) facets: Vec<Facet>,
     /// First facet that serves the distance.
@@ -29,12 +30,12 @@ pub(super) struct Skin {
 }
 
 impl Skin {
-    /// All triangles of a mesh, for both.
+    /// All triangles of a mesh, for sign and distance.
     pub(super) fn of(mesh: &Mesh, voxel: f64) -> Self {
         Self::new(&[], mesh, &[], voxel)
     }
 
-    /// Corners [m] of those for the sign only, a mesh for both, corners of those for the distance only.
+    /// Corners [m] of facets for the sign only, a mesh for both, corners of facets for the distance only.
     pub(super) fn new(sign_only: &[Corners], both: &Mesh, distance_only: &[Corners], voxel: f64) -> Self {
         let first_distance = sign_only.len();
         let sign_end = first_distance + both.triangles.len();
@@ -51,17 +52,17 @@ impl Skin {
         Self { facets: facets.collect(), first_distance, sign_end }
     }
 
-    /// Whether a facet serves the distance.
+    /// True if a facet serves the distance.
     pub(super) fn serves_distance(&self, near: NearTriangle) -> bool {
         near.index() >= self.first_distance
     }
 
-    /// Whether a facet may tell inside from outside within the brick that it is near.
+    /// True if a facet may determine the sign within a brick near it.
     pub(super) fn serves_sign(&self, near: NearTriangle) -> bool {
         near.crosses() && near.index() < self.sign_end
     }
 
-    /// How far from a facet bricks matter; `band` in voxels.
+    /// Distance from a facet within which bricks are affected; `band` in voxels.
     pub(super) fn reach(&self, facet: usize, band: f64) -> f64 {
         if facet < self.first_distance { CROSSING_REACH.min(band) } else { band }
     }

@@ -186,7 +186,7 @@ fn unusable_options_are_refused() {
     assert_eq!(bake(&Mesh::default(), &BakeOptions::with_voxel(0.1)).unwrap_err(), BakeError::Empty);
 }
 
-/// Checks every voxel against the distance to the surface of a union, given as pieces of that surface.
+/// Compares every voxel with the distance to the surface of a union, given as pieces of that surface.
 fn assert_is_distance(mesh: &Mesh, surface: &Mesh, is_inside: impl Fn(DVec3) -> bool, tolerance: f64) {
     let (grid, report) = bake(mesh, &BakeOptions::with_voxel(0.0004)).unwrap();
     assert!(report.inner_triangles > 0, "{report:?}");
@@ -213,7 +213,8 @@ fn a_bar_through_a_block_leaves_no_wall_in_it() {
     let mut mesh = cuboid(block.0, block.1);
     mesh.append(&cuboid(bar.0, bar.1));
     let inside = |p: DVec3| is_in(p, block.0, block.1) || is_in(p, bar.0, bar.1);
-    // The union's surface: of the bar the two ends beyond the block, of the block what the bar leaves of each side.
+    // The union's surface: the two ends of the bar beyond the block, and the block's sides without the bar's
+    // cross-section.
     let mut surface = Mesh::default();
     for (from, to) in [(bar.0.x, 0.0), (0.02, bar.1.x)] {
         let mut end = cuboid(DVec3::new(from, bar.0.y, bar.0.z), DVec3::new(to, bar.1.y, bar.1.z));
@@ -266,7 +267,7 @@ fn overlapping_balls_have_the_distance_of_their_union() {
     for_each_voxel(&grid, |point, phi| {
         let side = DVec3::new(point.x.abs(), point.y, point.z);
         let around = point.y.hypot(point.z);
-        // Of each ball the cap beyond the plane x = 0 is surface; its rim is the crease.
+        // The surface is the cap of each ball beyond the plane x = 0; its rim is the crease.
         let caps = [side - DVec3::X * apart, side + DVec3::X * apart].map(|from| {
             let foot = from / from.length() * radius;
             if foot.x + apart * (side - from).x.signum() >= 0.0 {
@@ -278,7 +279,7 @@ fn overlapping_balls_have_the_distance_of_their_union() {
         let distance = caps[0].min((point.x).hypot(around - crease));
         let inside = side.distance(DVec3::X * apart) < radius;
         let exact = if inside { -distance } else { distance }.clamp(-band, band);
-        // The balls are polyhedra: their facets are 0.012 voxels inside at most.
+        // The balls are polyhedra: their facets are at most 0.012 voxels inside.
         assert!((phi - exact).abs() < 0.02 * grid.voxel, "φ is {phi}, exact {exact}, at {point}");
     });
 }

@@ -1,9 +1,9 @@
 //! Walls inside bodies: parts of the surface with material on both sides.
 //!
-//! Where bodies overlap, are nested or touch, the surface of the whole is what separates inside from outside; the rest
-//! must not draw φ to zero in the middle of metal. Triangles are cut where other bodies meet them (`cuts.rs`); what has a
-//! winding number above one half on both sides serves the sign only. From outside, nothing changes: the nearest
-//! point of all triangles is on the surface of the whole anyway.
+//! Where bodies overlap, are nested or touch, the surface of the union is the part that separates inside from outside.
+//! The rest must not pull φ to zero inside the metal. Triangles are cut where other bodies intersect them (`cuts.rs`);
+//! pieces with a winding number above one half on both sides serve the sign only. Outside nothing changes: the nearest
+//! point of all triangles is on the union's surface.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,40 +15,41 @@ use super::skin::Corners;
 use crate::Mesh;
 use crate::clean::EdgeMap;
 
-/// How far off a piece its sides are looked at [voxels]: gaps below this between touching bodies count as closed.
+/// Distance from a piece at which its sides are evaluated [voxels]; smaller gaps between touching bodies count as
+/// closed.
 const ASIDE: f64 = 1e-3;
 
 /// Points closer than this to a plane lie in it [voxels].
 const TOLERANCE: f64 = 1e-5;
 
-/// Most triangles handed to one task; any number gives the same result.
+/// Greatest number of triangles per task; the result does not depend on it.
 const TRIANGLES: usize = 64;
 
-/// Parts of a mesh: what hangs together across edges of two triangles.
+/// Bodies of a mesh: components connected across edges of two triangles.
 pub(super) struct Bodies {
     /// Body of each triangle.
     labels: Vec<u32>,
-    /// The box around each body.
+    /// Bounding box of each body.
     boxes: Vec<Bounds>,
-    /// The bodies whose boxes that of each body overlaps.
+    /// For each body, the bodies whose boxes overlap its box.
     neighbours: Vec<Vec<usize>>,
 }
 
-/// Triangles that others may meet.
+/// Triangles that others may intersect.
 pub(super) struct Suspects<'a> {
     bodies: &'a Bodies,
-    /// Whether bodies may also pass through themselves.
+    /// True if bodies may also intersect themselves.
     may_meet_itself: bool,
     triangles: Vec<u32>,
 }
 
-/// The triangles of a mesh, parted by what they are for.
+/// The triangles of a mesh, separated by purpose.
 pub(super) struct Walls {
     /// For sign and distance.
     pub(super) kept: Mesh,
-    /// Walls, and triangles that are partly walls.
+    /// Walls, and triangles that are partly walls, for the sign only.
     pub(super) sign_only: Vec<Corners>,
-    /// The other parts of those.
+    /// Remaining pieces of triangles that are partly walls, for the distance only.
     pub(super) distance_only: Vec<Corners>,
 }
 
@@ -66,12 +67,12 @@ impl Bodies {
         Self { labels, boxes, neighbours }
     }
 
-    /// Whether boxes of bodies overlap.
+    /// True if boxes of bodies overlap.
     pub(super) fn are_close(&self) -> bool {
         self.neighbours.iter().any(|neighbours| !neighbours.is_empty())
     }
 
-    /// Triangles within the box of another body, or all where bodies are known to overlap; `None` if there are none.
+    /// Triangles within the box of another body, or all if bodies are known to overlap; `None` if there are none.
     pub(super) fn suspects(&self, mesh: &Mesh, overlaps: bool) -> Option<Suspects<'_>> {
         if !overlaps && !self.are_close() {
             return None;
@@ -88,7 +89,7 @@ impl Bodies {
     }
 }
 
-/// How far apart boxes that overlap may be [m], for rounding.
+/// Distance by which overlapping boxes may be apart [m], to allow for rounding.
 fn margin(mesh: &Mesh) -> f64 {
     1e-6 * mesh.diagonal()
 }
@@ -100,7 +101,7 @@ fn overlap(a: &Bounds, b: &Bounds, margin: f64) -> bool {
     (a.0 - margin).cmple(b.1).all() && (b.0 - margin).cmple(a.1).all()
 }
 
-/// The boxes that each box overlaps, found by going through them along x.
+/// Boxes that overlap each box, by a sweep along x.
 fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
@@ -115,10 +116,10 @@ fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
     neighbours
 }
 
-/// Parts the triangles of a closed surface; `None` without a wall.
+/// Separates the triangles of a closed surface by purpose; `None` without a wall.
 ///
-/// - `edges`: of the closed surface's triangles or the same turned otherwise
-/// - `sides`: of the closed surface
+/// - `edges`: those of the closed surface's triangles, in any orientation
+/// - `sides`: those of the closed surface
 /// - `voxel`: distance between voxels [m]
 pub(super) fn within(mesh: &Mesh, edges: &EdgeMap, suspects: &Suspects, sides: &Sides, voxel: f64) -> Option<Walls> {
     let segments = segments(mesh, suspects, &sides.boxes, TOLERANCE * voxel);
@@ -146,11 +147,11 @@ pub(super) fn within(mesh: &Mesh, edges: &EdgeMap, suspects: &Suspects, sides: &
     Some(Walls { kept, sign_only, distance_only: cut.into_iter().flat_map(|(_, surface)| surface).collect() })
 }
 
-/// What is on the two sides of a piece of surface.
+/// Winding numbers on the two sides of a piece of surface.
 pub(super) struct Sides {
     /// The closed surface.
     boxes: BoxTree,
-    /// How far off the piece to look [m].
+    /// Distance from the piece at which its sides are evaluated [m].
     aside: f64,
 }
 
@@ -165,14 +166,14 @@ impl Sides {
     fn is_wall(&self, [a, b, c]: &Corners) -> bool {
         let step = self.aside * (b - a).cross(c - a).normalize_or_zero();
         let middle = (a + b + c) / 3.0;
-        // The inner side is inside nearly always, so the outer one is asked first.
+        // The inner side is nearly always inside, so the outer one is evaluated first.
         self.boxes.winding_number(middle + step) > 0 && self.boxes.winding_number(middle - step) > 0
     }
 }
 
-/// Where other triangles meet each triangle.
+/// Intersection segments of each triangle with others.
 ///
-/// - `boxes`: the mesh's triangles first
+/// - `boxes`: tree whose first triangles are the mesh's
 fn segments(mesh: &Mesh, suspects: &Suspects, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
     let mut is_suspect = vec![false; boxes.triangles.len()];
     suspects.triangles.iter().for_each(|&t| is_suspect[t as usize] = true);
@@ -197,14 +198,14 @@ fn segments(mesh: &Mesh, suspects: &Suspects, boxes: &BoxTree, tolerance: f64) -
 }
 
 impl Suspects<'_> {
-    /// Neighbours of one body share a corner and meet nowhere else, as far as cutting is concerned.
+    /// True if two triangles may intersect; neighbours in one body that share a corner are excluded.
     fn may_meet(&self, mesh: &Mesh, t: usize, u: usize) -> bool {
         let shares_corner = || mesh.triangles[t].iter().any(|corner| mesh.triangles[u].contains(corner));
         self.bodies.labels[t] != self.bodies.labels[u] || (self.may_meet_itself && !shares_corner())
     }
 }
 
-/// Which triangles that nothing cuts are walls; one of each patch of them is asked.
+/// Marks the uncut triangles that are walls; one triangle of each patch is evaluated.
 fn whole_triangles(
     mesh: &Mesh,
     edges: &EdgeMap,

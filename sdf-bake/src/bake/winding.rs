@@ -1,8 +1,8 @@
 //! Generalised winding number by a tree of dipoles.
 //!
 //! Jacobson, Kavan & Sorkine-Hornung 2013 define it; Barill et al. 2018 replace far clusters by their area-weighted
-//! dipole. Near triangles use the exact solid angle (van Oosterom & Strackee 1983). Points are asked about in groups, a
-//! lane each: one walk through the tree serves all, and what is far must be far from each of them.
+//! dipole. Near triangles use the exact solid angle (van Oosterom & Strackee 1983). Points are evaluated in groups, one
+//! per lane: one traversal of the tree serves all, and a cluster counts as far if it is far from each of them.
 
 use std::f64::consts::PI;
 
@@ -10,13 +10,13 @@ use glam::DVec3;
 
 use crate::mesh::Mesh;
 
-/// Clusters farther than this many radii are replaced by their dipole; the error of the sum stays below 0.02.
+/// Distance [radii] above which a cluster is replaced by its dipole; the error of the sum stays below 0.02.
 const FAR: f64 = 2.5;
 
 /// Triangles in a leaf.
 const LEAF: usize = 8;
 
-/// A binary tree over a mesh's triangles that answers winding numbers in logarithmic time.
+/// A binary tree over a mesh's triangles that evaluates winding numbers in logarithmic time.
 pub struct WindingTree {
     nodes: Vec<Node>,
     /// Corners [m] in tree order.
@@ -32,7 +32,7 @@ struct Node {
     radius: f64,
     first: u32,
     count: u32,
-    /// The second child; the first follows its parent. Zero marks a leaf.
+    /// Index of the second child; the first follows its parent. Zero for a leaf.
     second_child: u32,
 }
 
@@ -42,7 +42,7 @@ impl WindingTree {
         Self::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect())
     }
 
-    /// The tree over triangles with the given corners [m].
+    /// Builds the tree over triangles with the given corners [m].
     pub(super) fn of(mut triangles: Vec<[DVec3; 3]>) -> Self {
         let mut nodes = Vec::with_capacity(triangles.len() / LEAF * 4 + 1);
         if !triangles.is_empty() {
@@ -56,13 +56,13 @@ impl WindingTree {
         self.winding_numbers(&[point])[0]
     }
 
-    /// Winding numbers at points [m], which cost less the closer together they are.
+    /// Winding numbers at points [m]; the closer the points, the lower the cost.
     pub fn winding_numbers<const N: usize>(&self, points: &[DVec3; N]) -> [f64; N] {
         pulp::Arch::new().dispatch(Walk { tree: self, points })
     }
 }
 
-/// A call that is compiled for each kind of lanes; all that it calls is inlined into it.
+/// Compiled by `pulp` for each instruction set; all functions that it calls are inlined.
 struct Walk<'a, const N: usize> {
     tree: &'a WindingTree,
     points: &'a [DVec3; N],
@@ -152,8 +152,8 @@ fn dot<const N: usize>(a: &Lanes<N>, b: &Lanes<N>, i: usize) -> f64 {
     a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i]
 }
 
-/// Sums of angles between −π and π, kept as a product of complex numbers and a count of full turns: one arc tangent
-/// for the whole sum of a lane.
+/// Sum of angles between −π and π, stored as a product of complex numbers and a count of full turns, so that one arc
+/// tangent gives the whole sum of a lane.
 struct AngleSum<const N: usize> {
     /// Real and imaginary parts of the products, |re| + |im| = 1.
     product: [[f64; N]; 2],

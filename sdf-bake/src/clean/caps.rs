@@ -1,7 +1,7 @@
-//! Triangles whose three corners lie on a line.
+//! Caps: triangles whose three corners lie on a line.
 //!
 //! ```text
-//!   a ───── b ───── c        Dropping a-b-c would leave a gap without width along its long edge a-c. Swapping that
+//!   a ───── b ───── c        Dropping a-b-c would leave a gap of zero width along its long edge a-c. Swapping that
 //!    ╲ ─────────── ╱         edge for b-d instead splits the neighbour in two and keeps the surface closed.
 //!     ╲           ╱
 //!       ─── d ───
@@ -11,12 +11,12 @@ use super::EdgeMap;
 use super::faces::is_degenerate;
 use crate::Mesh;
 
-/// Caps beside caps need a pass each; more than this are left to be dropped.
+/// Greatest number of passes; a cap beside a cap needs one pass each, and remaining caps are dropped.
 const MAX_PASSES: usize = 16;
 
-/// Swaps the long edge of each flat triangle where exactly one neighbour shares it; returns how many.
+/// Swaps the long edge of each flat triangle if exactly one neighbour shares it; returns the number of swaps.
 ///
-/// Triangles with a repeated corner must be gone.
+/// Triangles with a repeated corner must be removed before.
 pub(super) fn swap_long_edges(mesh: &mut Mesh) -> usize {
     let mut total = 0;
     for _ in 0..MAX_PASSES {
@@ -58,7 +58,7 @@ fn pass(mesh: &mut Mesh, flat: &[usize]) -> usize {
     swapped
 }
 
-/// Side k runs from corner k to the next one.
+/// Index of the longest side; side k runs from corner k to the next one.
 fn longest_side(mesh: &Mesh, triangle: usize) -> usize {
     let corners = mesh.corners(triangle);
     let length = |side: usize| corners[side].distance_squared(corners[(side + 1) % 3]);

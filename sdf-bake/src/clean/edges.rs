@@ -9,18 +9,18 @@ use crate::Mesh;
 pub struct EdgeUse {
     /// Triangle index.
     pub triangle: u32,
-    /// Whether the triangle passes the edge from its smaller to its larger vertex.
+    /// True if the triangle runs along the edge from its smaller to its larger vertex.
     pub forward: bool,
 }
 
 /// All undirected edges in the order of their vertices.
 ///
-/// An edge with one use is a boundary edge, with more than two uses a non-manifold one. Triangles with a repeated
-/// corner have edges from a vertex to itself; drop them first ([`crate::clean::clean`] does).
+/// An edge with one use is a boundary edge; one with more than two uses is non-manifold. Triangles with a repeated
+/// corner have edges from a vertex to itself; they must be removed first, as [`crate::clean::clean`] does.
 #[derive(Clone, Debug, Default)]
 pub struct EdgeMap {
     vertices: Vec<[u32; 2]>,
-    /// First use of each edge, and one past the last.
+    /// Index of the first use of each edge, and one past the last.
     first: Vec<u32>,
     uses: Vec<EdgeUse>,
     of_triangle: Vec<[u32; 3]>,
@@ -61,7 +61,7 @@ impl EdgeMap {
         self.vertices.len()
     }
 
-    /// Whether the mesh has no edges.
+    /// True if the mesh has no edges.
     pub fn is_empty(&self) -> bool {
         self.vertices.is_empty()
     }
@@ -76,7 +76,7 @@ impl EdgeMap {
         self.vertices[edge]
     }
 
-    /// The triangles at an edge, in the order of their index.
+    /// Triangles at an edge, in the order of their index.
     pub fn uses(&self, edge: usize) -> &[EdgeUse] {
         &self.uses[self.first[edge] as usize..self.first[edge + 1] as usize]
     }
@@ -86,7 +86,7 @@ impl EdgeMap {
         self.of_triangle[triangle]
     }
 
-    /// The edge between two vertices.
+    /// Index of the edge between two vertices.
     pub fn find(&self, a: u32, b: u32) -> Option<usize> {
         self.vertices.binary_search(&[a.min(b), a.max(b)]).ok()
     }
@@ -101,18 +101,18 @@ impl EdgeMap {
         self.indices().filter(|&edge| self.uses(edge).len() > 2).count()
     }
 
-    /// Whether as many triangles pass the edge forward as backward.
+    /// True if equal numbers of triangles use the edge forward and backward.
     pub fn is_balanced(&self, edge: usize) -> bool {
         let uses = self.uses(edge);
         2 * uses.iter().filter(|u| u.forward).count() == uses.len()
     }
 
-    /// Labels triangles that hang together across the edges for which `joins` holds.
+    /// Labels components of triangles that are connected across the edges for which `joins` returns true.
     ///
-    /// Returns a label for each triangle and the number of labels; labels are numbered by their first triangle.
+    /// Returns a label for each triangle and the number of labels, numbered in the order of their first triangle.
     pub fn components(&self, joins: impl Fn(&[EdgeUse]) -> bool) -> (Vec<u32>, usize) {
         let mut labels = vec![u32::MAX; self.of_triangle.len()];
-        // Each edge once, or an edge of n triangles costs n².
+        // Each edge is visited once; otherwise an edge of n triangles would cost n².
         let mut passed = vec![false; self.len()];
         let mut count = 0;
         let mut stack = Vec::new();
@@ -144,11 +144,11 @@ impl EdgeMap {
 struct Side {
     /// Its larger vertex.
     high: u32,
-    /// Three times the triangle's index, and which side it is.
+    /// Three times the triangle's index, plus the index of the side.
     number: u32,
 }
 
-/// The sides of triangles by their smaller vertex, sorted by counting; and where those of each vertex end.
+/// Sides of triangles by their smaller vertex, from a counting sort, and the end of each vertex's sides.
 fn sides_by_vertex(triangles: &[[u32; 3]]) -> (Vec<Side>, Vec<u32>) {
     let vertices = triangles.iter().flatten().max().map_or(0, |&last| last as usize + 1);
     let ends_of = |[a, b, c]: [u32; 3]| [(a.min(b), a.max(b)), (b.min(c), b.max(c)), (c.min(a), c.max(a))];

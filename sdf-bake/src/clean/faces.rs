@@ -1,21 +1,21 @@
-//! Faces and vertices that carry no surface: degenerate and duplicate faces, unused vertices.
+//! Removes faces and vertices that are not part of a surface: degenerate and duplicate faces, unused vertices.
 
 use std::collections::HashSet;
 
 use super::EdgeMap;
 use crate::Mesh;
 
-/// A triangle lower than this, relative to its longest side, has no usable normal in double precision.
+/// Height of a triangle relative to its longest side below which it has no usable normal in double precision.
 const FLAT: f64 = 1e-12;
 
-/// Drops triangles with a repeated corner; returns how many.
+/// Removes triangles with a repeated corner; returns their number.
 pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
     before - mesh.triangles.len()
 }
 
-/// Drops triangles without height; returns how many.
+/// Removes triangles without height; returns their number.
 pub(super) fn drop_flat(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let keep: Vec<bool> = (0..before).map(|t| !is_degenerate(mesh, t)).collect();
@@ -24,18 +24,18 @@ pub(super) fn drop_flat(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Whether a triangle has no usable normal.
+/// True if a triangle has no usable normal.
 pub(super) fn is_degenerate(mesh: &Mesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let longest_squared = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-    // Doubled area is height times longest side; NaN counts as degenerate.
+    // Twice the area is height times longest side; NaN counts as degenerate.
     let has_height = mesh.doubled_area_normal(triangle).length() > FLAT * longest_squared;
     !has_height
 }
 
-/// Drops faces with the corners and the orientation of an earlier one; returns how many.
+/// Removes faces with the corners and the orientation of an earlier one; returns their number.
 ///
-/// A face and its reverse both stay: that is where two solids touch.
+/// A face and its reverse both stay: two solids touch there.
 pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let mut seen = HashSet::with_capacity(before);
@@ -43,12 +43,12 @@ pub(super) fn drop_duplicates(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Number of pairs of faces that are each other's reverse; the mesh has no duplicates.
+/// Number of pairs of faces that are each other's reverse; the mesh must have no duplicates.
 pub(super) fn coincident_pairs(mesh: &Mesh, edges: &EdgeMap) -> usize {
     let reverses = |t: usize| {
         let [a, b, c] = smallest_first(mesh.triangles[t]);
         let sides = edges.of_triangle(t).map(|edge| edges.uses(edge as usize));
-        // An edge can have very many triangles; seldom all three do.
+        // An edge can have very many triangles, but seldom all three edges do.
         let fewest = sides.into_iter().min_by_key(|uses| uses.len()).unwrap_or_default();
         let others = fewest.iter().map(|u| u.triangle as usize);
         others.filter(|&other| other > t && smallest_first(mesh.triangles[other]) == [a, c, b]).count()
@@ -66,7 +66,7 @@ fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Drops vertices of no face, keeping the others' order; returns how many.
+/// Removes vertices that no face uses, and keeps the order of the others; returns their number.
 pub(super) fn drop_unused_vertices(mesh: &mut Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);

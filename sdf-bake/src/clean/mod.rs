@@ -1,11 +1,11 @@
-//! Cleaning a triangle mesh, with a report: nothing is repaired in silence.
+//! Cleans a triangle mesh and reports every change.
 //!
-//! Real CAD exports repeat vertices and faces, are open, turn some triangles the wrong way, and let solids touch. The
-//! steps, in order: finite coordinates → weld equal positions → degenerate and duplicate faces → close cracks → unused
-//! vertices → edges → one orientation for each patch → outward normals for each outermost shell → report. All run in
-//! O(n log n), apart from the test which shell lies in which.
+//! Real CAD exports repeat vertices and faces, are open, have triangles of opposite orientation, and contain touching
+//! solids. The steps, in order: finite coordinates → weld equal positions → degenerate and duplicate faces → close
+//! cracks → unused vertices → edges → one orientation for each patch → outward normals for each outermost shell →
+//! report. All run in O(n log n), except the test for nested shells.
 //!
-//! Holes are not filled and solids that touch are not separated; the report's counts say where they are.
+//! Holes are not filled and touching solids are not separated; the report counts them.
 
 use crate::Mesh;
 
@@ -21,10 +21,10 @@ pub use edges::{EdgeMap, EdgeUse};
 pub(crate) use orient::disagreeing;
 pub use report::CleanReport;
 
-/// Fewest triangles of a closed surface.
+/// Least number of triangles of a closed surface.
 const TETRAHEDRON: usize = 4;
 
-/// Why a mesh cannot be used at all.
+/// Reason why a mesh cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CleanError {
     /// A coordinate is infinite or not a number.
@@ -39,22 +39,22 @@ pub enum CleanError {
         /// z [m].
         z: f64,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, and there are {vertices}")]
     NoSuchVertex {
         /// Triangle index.
         triangle: usize,
-        /// The index found.
+        /// Index found.
         vertex: u32,
         /// Number of vertices.
         vertices: usize,
     },
-    /// Fewer triangles than a tetrahedron has.
+    /// Fewer triangles than a tetrahedron.
     #[error("{} cannot enclose a volume; at least 4 are needed{}", count(*left), dropped(*before, *left))]
     TooFewTriangles {
-        /// Triangles as given.
+        /// Number of triangles as given.
         before: usize,
-        /// Triangles that are not degenerate or duplicate.
+        /// Number of triangles that are neither degenerate nor duplicate.
         left: usize,
     },
 }
@@ -67,7 +67,7 @@ fn dropped(before: usize, left: usize) -> String {
     if before == left { String::new() } else { format!(" ({} of {before} are degenerate or duplicate)", before - left) }
 }
 
-/// Cleans a mesh and says what was done.
+/// Cleans a mesh; returns it with a report of the changes.
 pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     check(&mesh)?;
     let mut report = CleanReport {
@@ -80,7 +80,7 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     drop_faces(&mut mesh, &mut report);
     (report.merged_near, report.weld_tolerance) = weld::close_cracks(&mut mesh);
     drop_faces(&mut mesh, &mut report);
-    // Vertices that welding replaced are counted there.
+    // Vertices that welding replaced are counted as merged.
     report.unused_vertices += faces::drop_unused_vertices(&mut mesh) - report.merged_near;
     if mesh.triangles.len() < TETRAHEDRON {
         return Err(CleanError::TooFewTriangles { before: report.triangles_before, left: mesh.triangles.len() });
@@ -93,7 +93,7 @@ pub fn clean(mut mesh: Mesh) -> Result<(Mesh, CleanReport), CleanError> {
     Ok((mesh, report))
 }
 
-/// Once before cracks are closed, since a duplicate hides a boundary edge, and once after.
+/// Runs before cracks are closed, because a duplicate hides a boundary edge, and again after.
 fn drop_faces(mesh: &mut Mesh, report: &mut CleanReport) {
     report.degenerate_faces += faces::drop_collapsed(mesh);
     report.duplicate_faces += faces::drop_duplicates(mesh);
@@ -115,7 +115,7 @@ fn check(mesh: &Mesh) -> Result<(), CleanError> {
     Ok(())
 }
 
-/// Fills in the counts of the mesh as it is now.
+/// Sets the counts of the mesh in its current state.
 fn measure(mesh: &Mesh, edges: &EdgeMap, report: &mut CleanReport) {
     report.vertices = mesh.positions.len();
     report.triangles = mesh.triangles.len();
@@ -130,7 +130,7 @@ fn measure(mesh: &Mesh, edges: &EdgeMap, report: &mut CleanReport) {
     report.consistently_oriented = report.inconsistent_edges == 0;
 }
 
-/// Number of parts that hang together through vertices, in a mesh without unused ones.
+/// Number of components connected through vertices, in a mesh without unused vertices.
 fn connected_vertices(mesh: &Mesh) -> usize {
     let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let mut parts = parent.len();

@@ -1,14 +1,14 @@
-//! Which closed shell lies within which, by counting crossings of a vertical ray.
+//! Nesting of closed shells, by counting crossings of a vertical ray.
 
 use glam::DVec3;
 
 use crate::Mesh;
 use crate::crossing::crossing_above;
 
-/// For each shell the outermost closed shell that it lies in, if any.
+/// Returns, for each shell, the outermost closed shell that contains it, if any.
 ///
 /// - `shells`: triangle indices of each shell, none empty
-/// - `closed`: whether a shell encloses a volume; open ones contain nothing and lie in nothing
+/// - `closed`: true for shells that enclose a volume; open shells contain nothing and lie in nothing
 pub(super) fn outermost_containers(mesh: &Mesh, shells: &[Vec<usize>], closed: &[bool]) -> Vec<Option<usize>> {
     let boxes: Vec<_> = shells.iter().map(|triangles| bounds(mesh, triangles)).collect();
     let containers: Vec<Vec<usize>> = (0..shells.len())
@@ -33,7 +33,7 @@ fn bounds(mesh: &Mesh, triangles: &[usize]) -> (DVec3, DVec3) {
     corners.fold(infinite, |(low, high), p| (low.min(p), high.max(p)))
 }
 
-/// A point of the largest triangle, at uneven weights so that it is not over another shell's corner or edge.
+/// Returns a point of the largest triangle, at uneven weights so that it is not above another shell's corner or edge.
 fn sample_point(mesh: &Mesh, triangles: &[usize]) -> DVec3 {
     let area = |&t: &usize| mesh.doubled_area_normal(t).length_squared();
     let largest = triangles.iter().copied().max_by(|a, b| area(a).total_cmp(&area(b)).then(b.cmp(a)));

@@ -1,24 +1,24 @@
-//! One orientation for each patch of surface, and outward normals for each solid.
+//! Makes the orientation of each patch consistent, and the normals of each solid outward.
 //!
-//! Within a patch (triangles joined across edges of exactly two triangles) the smaller part by area is turned. A closed shell is
-//! then turned as a whole if it is outermost and its volume negative, and what is nested in it turns with it: a
-//! cavity stays a cavity.
+//! Within a patch (triangles joined across edges of exactly two triangles) the part of smaller area is flipped. A
+//! closed shell is then flipped as a whole if it is outermost and its volume negative. Shells nested in it are flipped
+//! with it, so that a cavity stays a cavity.
 
 use super::EdgeMap;
 use super::nesting::outermost_containers;
 use crate::Mesh;
 
-/// What orientation changed.
+/// Counts of flipped triangles and shells.
 pub(super) struct Turned {
-    /// Triangles turned to agree with their patch.
+    /// Triangles flipped to agree with their patch.
     pub(super) triangles: usize,
-    /// Shells turned inside out.
+    /// Shells flipped as a whole.
     pub(super) shells: usize,
 }
 
-/// Makes patches consistent and outermost shells positive.
+/// Makes patches consistent, and the volume of outermost shells positive.
 ///
-/// `edges` must be the mesh's; after the call its directions no longer hold if anything was turned.
+/// `edges` must belong to the mesh; if anything is flipped, its directions are no longer valid.
 pub(super) fn orient(mesh: &mut Mesh, edges: &EdgeMap) -> Turned {
     let flip = disagreeing(mesh, edges);
     let triangles = flip.iter().filter(|&&f| f).count();
@@ -44,7 +44,7 @@ fn turn(mesh: &mut Mesh, flip: impl Fn(usize) -> bool) {
     }
 }
 
-/// The triangles to turn so that each patch is consistent, the smaller area of each.
+/// Triangles to flip so that each patch is consistent: the part of smaller area.
 pub(crate) fn disagreeing(mesh: &Mesh, edges: &EdgeMap) -> Vec<bool> {
     let mut state = vec![None; mesh.triangles.len()];
     let mut flip = vec![false; mesh.triangles.len()];
@@ -63,7 +63,7 @@ pub(crate) fn disagreeing(mesh: &Mesh, edges: &EdgeMap) -> Vec<bool> {
     flip
 }
 
-/// Labels the seed's patch `false` where triangles agree with the seed and `true` where they do not.
+/// Labels the seed's patch: `false` for triangles that agree with the seed, `true` for the others.
 fn flood(edges: &EdgeMap, seed: usize, state: &mut [Option<bool>]) -> Vec<usize> {
     state[seed] = Some(false);
     let mut patch = vec![seed];
@@ -98,7 +98,7 @@ fn inside_out_shells(mesh: &Mesh, edges: &EdgeMap, labels: &[u32], count: usize)
     (0..count).map(|shell| negative[containers[shell].unwrap_or(shell)]).collect()
 }
 
-/// Volume [m³] within some triangles, about a point of their own against cancellation.
+/// Volume [m³] enclosed by some triangles, relative to a point of their own to avoid cancellation.
 fn volume(mesh: &Mesh, triangles: &[usize]) -> f64 {
     let origin = mesh.corners(triangles[0])[0];
     let cone = |&t: &usize| {

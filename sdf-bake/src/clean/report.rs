@@ -1,4 +1,4 @@
-//! What cleaning found and changed.
+//! Report of the faults and changes found in cleaning.
 
 use serde::Serialize;
 
@@ -15,47 +15,47 @@ pub struct CleanReport {
     pub merged_near: usize,
     /// Largest gap that was closed [m].
     pub weld_tolerance: f64,
-    /// Dropped triangles: a corner twice, or no height in double precision.
+    /// Dropped triangles with a repeated corner, or without height in double precision.
     pub degenerate_faces: usize,
-    /// Edges swapped so that a triangle without height could go without leaving a gap.
+    /// Edges swapped so that a triangle without height could be removed without leaving a gap.
     pub swapped_edges: usize,
-    /// Dropped triangles: corners and orientation of another one.
+    /// Dropped triangles with the corners and orientation of another one.
     pub duplicate_faces: usize,
-    /// Dropped vertices that no triangle used.
+    /// Dropped vertices that no triangle uses.
     pub unused_vertices: usize,
-    /// Vertices left.
+    /// Vertices after cleaning.
     pub vertices: usize,
-    /// Triangles left.
+    /// Triangles after cleaning.
     pub triangles: usize,
     /// Edges of one triangle.
     pub boundary_edges: usize,
     /// Edges of more than two triangles.
     pub non_manifold_edges: usize,
-    /// Edges that are not passed equally often in both directions, boundary edges left out.
+    /// Edges that are not used equally often in both directions, except boundary edges.
     pub inconsistent_edges: usize,
-    /// Parts that share no vertex; solids that touch at one are one body.
+    /// Components that share no vertex; solids that touch at one are one body.
     pub bodies: usize,
-    /// Parts that share no edge.
+    /// Components that share no edge.
     pub shells: usize,
-    /// Pairs of triangles with the same corners and opposite orientation: solids touch there.
+    /// Pairs of triangles with the same corners and opposite orientation, where solids touch.
     pub coincident_pairs: usize,
-    /// Triangles turned to agree with their neighbours.
+    /// Triangles flipped to agree with their neighbours.
     pub flipped_triangles: usize,
-    /// Closed shells turned as a whole, because they or the shell around them enclosed a negative volume.
+    /// Closed shells flipped as a whole, because they or the shell around them enclosed a negative volume.
     pub flipped_shells: usize,
-    /// No edge has an odd number of triangles: the surface ends nowhere.
+    /// True if no edge has an odd number of triangles: the surface has no boundary.
     pub closed: bool,
-    /// Every edge of two or more triangles is passed equally often in both directions.
+    /// True if every edge of two or more triangles is used equally often in both directions.
     pub consistently_oriented: bool,
 }
 
 impl CleanReport {
-    /// Whether every edge has exactly two triangles, in opposite directions.
+    /// True if every edge has exactly two triangles, in opposite directions.
     pub fn is_watertight(&self) -> bool {
         self.closed && self.consistently_oriented && self.non_manifold_edges == 0
     }
 
-    /// Number of things that were changed, apart from merging equal positions, which a file without indices needs.
+    /// Number of changes, except merging equal positions, which a file without indices needs.
     pub fn repairs(&self) -> usize {
         self.merged_near
             + self.degenerate_faces
@@ -66,7 +66,7 @@ impl CleanReport {
             + self.flipped_shells
     }
 
-    /// A sentence for each thing that was changed or is left wrong; empty for a perfect mesh.
+    /// Sentences on each change and each remaining fault; empty for a perfect mesh.
     pub fn notes(&self) -> Vec<String> {
         let tolerance = format!("boundary vertices closer than {:.3e} mm", self.weld_tolerance * 1e3);
         let lines = [

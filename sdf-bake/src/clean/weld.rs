@@ -1,8 +1,8 @@
 //! Welding: one vertex for each position.
 //!
-//! Equal positions are merged first. A tolerance is then applied to vertices on boundary edges only, since a crack
-//! between neighbours is all that it has to mend: a closed surface goes through untouched, however thin its walls or
-//! short its edges, and so does a face that closes no crack. Two ends of an edge are never merged.
+//! Equal positions are merged first. A tolerance is then applied to vertices on boundary edges only, because it serves
+//! to close cracks between neighbours. A closed surface is unchanged, even with thin walls or short edges, and so is a
+//! face that closes no crack. Two ends of an edge are never merged.
 
 use std::collections::HashMap;
 
@@ -11,15 +11,15 @@ use glam::{DVec3, I64Vec3};
 use super::EdgeMap;
 use crate::Mesh;
 
-/// Largest gap that is closed, relative to the bounding box's diagonal.
+/// Greatest gap that is closed, relative to the bounding box's diagonal.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// More groups in a cube, or vertices in a group, than cracks make: there the tolerance is too coarse for the part,
-/// and what comes on top stays unmerged.
+/// Greatest number of groups in a cube, and of vertices in a group, more than cracks make. Above it the tolerance is
+/// too coarse for the part, and further vertices stay unmerged.
 const MAX_GROUPS: usize = 8;
 const MAX_MEMBERS: usize = 16;
 
-/// Merges vertices at equal positions; returns how many went.
+/// Merges vertices at equal positions; returns the number of removed vertices.
 pub(super) fn merge_equal(mesh: &mut Mesh) -> usize {
     let mut first_at = HashMap::with_capacity(mesh.positions.len());
     let mut kept = Vec::new();
@@ -38,12 +38,12 @@ pub(super) fn merge_equal(mesh: &mut Mesh) -> usize {
     merged
 }
 
-/// Merges boundary vertices closer than the tolerance where that closes an edge; returns how many went and the
-/// tolerance [m].
+/// Merges boundary vertices closer than the tolerance if that closes an edge; returns the number of merged vertices and
+/// the tolerance [m].
 ///
-/// The vertices that went stay in `positions`, unused. In the order of their index, each vertex joins the nearest
-/// earlier one within reach, so chains do not creep. Faces that only come close at a corner keep their places: moving one
-/// would close nothing and change the distance.
+/// The merged vertices stay in `positions`, unused. In the order of their index, each vertex joins the nearest earlier
+/// one within reach, so chains do not drift. Faces that only come close at a corner do not move: moving one would close
+/// nothing and change the distance.
 pub(super) fn close_cracks(mesh: &mut Mesh) -> (usize, f64) {
     let tolerance = RELATIVE_TOLERANCE * mesh.diagonal();
     let edges = EdgeMap::new(mesh);
@@ -71,7 +71,7 @@ pub(super) fn close_cracks(mesh: &mut Mesh) -> (usize, f64) {
     (merged, tolerance)
 }
 
-/// Which vertices end a boundary edge that another boundary edge joins.
+/// Marks the vertices at the ends of boundary edges that coincide with another boundary edge.
 fn closing_vertices(edges: &EdgeMap, target: &[u32]) -> Vec<bool> {
     let mut joined: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
     for edge in edges.indices().filter(|&edge| edges.uses(edge).len() == 1) {
@@ -92,7 +92,7 @@ fn redirect(mesh: &mut Mesh, target: &[u32]) {
     }
 }
 
-/// Groups of close vertices, found through a hash of cubes one tolerance wide.
+/// Groups of close vertices, found through a hash grid with a cell size of one tolerance.
 struct Clusters<'a> {
     mesh: &'a Mesh,
     edges: &'a EdgeMap,

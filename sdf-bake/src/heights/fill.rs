@@ -1,16 +1,16 @@
-//! Missing pixels: the thin plate of least bending energy through the pixels that are seen.
+//! Fills missing pixels by the thin plate of least bending energy through the measured pixels.
 //!
-//! The energy is `Σ h_xx² + 2 h_xy² + h_yy²` in second differences (Duchon 1977), over the stencils that reach a
-//! missing pixel and lie in the map. It is exact for a surface that bends evenly, and its normal equations are
-//! solved by conjugate gradients.
+//! The energy is `Σ h_xx² + 2 h_xy² + h_yy²` in second differences (Duchon 1977), over the stencils that include a
+//! missing pixel and lie within the map. The result is exact for a surface of constant curvature. The normal equations
+//! are solved by conjugate gradients.
 
 use std::collections::VecDeque;
 
 use super::HeightMap;
 
-/// Residual at which the plate is at rest, as a share of the first one.
+/// Relative residual at which the iteration stops.
 const SETTLED: f64 = 1e-7;
-/// Steps of conjugate gradients at most; holes of 50 pixels across need some hundred.
+/// Greatest number of conjugate gradient steps; holes of 50 pixels across need a few hundred.
 const MOST_STEPS: usize = 2000;
 
 /// One second difference: pixels and weights.
@@ -19,7 +19,7 @@ struct Stencil {
     weights: [f64; 4],
 }
 
-/// The map with every missing pixel filled. At least one pixel must be seen.
+/// Returns the map with every missing pixel filled. At least one pixel must be measured.
 pub(super) fn filled(map: &HeightMap) -> HeightMap {
     let missing: Vec<bool> = map.heights.iter().map(|height| !height.is_finite()).collect();
     let mut heights = first_guess(map);
@@ -30,7 +30,7 @@ pub(super) fn filled(map: &HeightMap) -> HeightMap {
     HeightMap { pixels: map.pixels, heights }
 }
 
-/// Layer by layer from the rim of each hole, the mean of the neighbours that are known.
+/// Fills each hole layer by layer from its rim with the mean of the known neighbours.
 fn first_guess(map: &HeightMap) -> Vec<f64> {
     let (nx, ny) = (map.pixels.nx as isize, map.pixels.ny as isize);
     let mut heights = map.heights.clone();
@@ -57,7 +57,7 @@ fn first_guess(map: &HeightMap) -> Vec<f64> {
     heights
 }
 
-/// All second differences that reach a missing pixel.
+/// All second differences that include a missing pixel.
 fn stencils(map: &HeightMap, missing: &[bool]) -> Vec<Stencil> {
     let (nx, ny) = (map.pixels.nx, map.pixels.ny);
     let mut list = Vec::new();
@@ -114,7 +114,7 @@ fn relax(heights: &mut [f64], missing: &[bool], unknown: &[usize], stencils: &[S
     }
 }
 
-/// Minus half the gradient of the bending energy, zero at the pixels that are seen.
+/// Minus half the gradient of the bending energy; zero at the measured pixels.
 fn bending(field: &[f64], missing: &[bool], stencils: &[Stencil]) -> Vec<f64> {
     let mut gradient = vec![0.0; field.len()];
     for Stencil { pixels, weights } in stencils {

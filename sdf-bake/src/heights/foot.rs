@@ -4,9 +4,9 @@ use glam::{DVec2, DVec3, IVec2};
 
 use super::lattice::{LatticeHeights, cubic_weights};
 
-/// Newton's steps at most; three are usual.
+/// Greatest number of Newton steps; three are usual.
 const STEPS: usize = 12;
-/// Step below which the foot stands [voxels]; the distance is then off by its square.
+/// Step below which the foot has converged [voxels]; the error of the distance is its square.
 const SETTLED: f64 = 1e-5;
 
 /// Height, slope and curvature of the surface at a point.
@@ -17,9 +17,9 @@ struct Patch {
     bend: [f64; 3],
 }
 
-/// Distance [voxels] from a lattice point [voxels] to the surface, at most `most`; without sign.
+/// Unsigned distance [voxels] from a lattice point [voxels] to the surface, at most `most`.
 ///
-/// Newton's steps start from the nearest lattice point of the surface, so that of two flanks the nearer one is found.
+/// Newton's method starts from the nearest lattice point of the surface, so that the nearer one of two flanks is found.
 pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64 {
     let (start, nearest) = nearest_node(surface, point, most);
     if nearest > most + 1.0 {
@@ -28,7 +28,7 @@ pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64
     descend(surface, point, start).min(most)
 }
 
-/// The lattice point of the surface that is nearest to a lattice point above or below it, and its distance.
+/// Returns the lattice point of the surface that is nearest to a lattice point above or below it, and its distance.
 fn nearest_node(surface: &LatticeHeights, point: DVec3, most: f64) -> (DVec2, f64) {
     let centre = point.truncate().as_ivec2();
     let (mut best, mut least) = (IVec2::ZERO, (surface.at(centre) - point.z).powi(2));
@@ -45,7 +45,7 @@ fn nearest_node(surface: &LatticeHeights, point: DVec3, most: f64) -> (DVec2, f6
     ((centre + best).as_dvec2(), least.sqrt())
 }
 
-/// Distance after Newton's steps from `foot`, none of which may lead away.
+/// Distance after Newton steps from `foot`, each of which must reduce it.
 fn descend(surface: &LatticeHeights, point: DVec3, mut foot: DVec2) -> f64 {
     let mut patch = Patch::at(surface, foot);
     let mut nearest = (foot - point.truncate()).extend(patch.height - point.z).length();
@@ -70,7 +70,7 @@ fn descend(surface: &LatticeHeights, point: DVec3, mut foot: DVec2) -> f64 {
     nearest
 }
 
-/// Newton's step towards the foot of the perpendicular; Gauss and Newton's where the bend would lead away.
+/// Newton step towards the foot of the perpendicular; Gauss-Newton step if the curvature would increase the distance.
 fn newton_step(patch: &Patch, point: DVec3, foot: DVec2) -> DVec2 {
     let rise = patch.height - point.z;
     let (sx, sy) = (patch.slope.x, patch.slope.y);

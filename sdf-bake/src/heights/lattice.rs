@@ -1,4 +1,4 @@
-//! A cleaned height map laid on the voxel lattice, with a continued border.
+//! A cleaned height map resampled on the voxel lattice, with an extrapolated border.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use super::{HeightMap, PixelGrid};
 
-/// Slope up to which a border is continued as the tilt of a plate; a steeper one is a flank that ends [1].
+/// Greatest slope of a border that is extrapolated as the tilt of a plate [1]; a steeper border is a flank that ends
+/// there.
 const MOST_TILT: f64 = 0.02;
-/// Pixels whose mean is continued outwards.
+/// Number of border pixels whose mean is extrapolated.
 const BORDER: usize = 5;
-/// Longest base over which a border's slope is measured [pixels].
+/// Greatest base length over which a border's slope is measured [pixels].
 const SLOPE_BASE: usize = 20;
 
 /// Heights at the lattice points `first + (i, j)` [voxels].
@@ -24,11 +25,11 @@ pub(super) struct LatticeHeights {
 }
 
 impl LatticeHeights {
-    /// Heights at the lattice points from `first` to `last`, which may lie beyond the map.
+    /// Resamples heights at the lattice points from `first` to `last`, which may lie beyond the map.
     ///
-    /// Between pixels the surface is the bicubic of Keys 1981. Where a voxel spans two pixels or more, the pixels are
-    /// first smoothed by local parabolas over a voxel to each side (Savitzky and Golay 1964), which keeps smooth
-    /// beads and halves the noise. Only pixels that the lattice points read are smoothed.
+    /// Between pixels the surface is the bicubic of Keys 1981. If a voxel spans two pixels or more, the pixels are
+    /// first smoothed by local parabolas over one voxel to each side (Savitzky and Golay 1964), which preserves smooth
+    /// beads and halves the noise. Only pixels that the lattice points use are smoothed.
     pub(super) fn of(map: &HeightMap, voxel: f64, first: IVec2, last: IVec2) -> Self {
         let low = map.pixels.coordinates(first.as_dvec2() * voxel);
         let high = map.pixels.coordinates(last.as_dvec2() * voxel);
@@ -50,7 +51,7 @@ impl LatticeHeights {
         Self { first, nx: x.len(), heights: heights.into_iter().map(|height| height / voxel).collect() }
     }
 
-    /// Position of a lattice point in `heights`.
+    /// Index of a lattice point in `heights`.
     fn index(&self, point: IVec2) -> usize {
         let local = point - self.first;
         local.y as usize * self.nx + local.x as usize
@@ -68,7 +69,8 @@ impl LatticeHeights {
     }
 }
 
-/// Smallest box of pixels whose rows and columns are at least half seen: drops the empty rim of an instrument.
+/// Crops a map to the smallest box of rows and columns with at least half of their pixels measured, without an empty
+/// rim.
 pub(super) fn without_empty_rim(map: &HeightMap) -> HeightMap {
     let PixelGrid { origin, pitch, nx, ny } = map.pixels;
     let seen = |i: usize, j: usize| map.height(i, j).is_finite();
@@ -92,16 +94,16 @@ pub(super) fn without_empty_rim(map: &HeightMap) -> HeightMap {
     HeightMap { pixels, heights }
 }
 
-/// The map with `pad` more pixels on each side: the mean of the border's pixels, continued with the side's tilt. Rows
-/// beyond the map are straight lines along y, which are not stored.
+/// The map with `pad` more pixels on each side: the mean of the border's pixels, extrapolated with the side's tilt.
+/// Rows beyond the map are straight lines along y and are not stored.
 struct Padded {
-    /// Place of the first pixel [m].
+    /// Position of the first pixel [m].
     origin: DVec2,
     pad: usize,
     nx: usize,
-    /// Heights [m] of the map's rows, continued along x, shape `[ny of the map, nx]`.
+    /// Heights [m] of the map's rows, extrapolated along x, shape `[ny of the map, nx]`.
     rows: Vec<f64>,
-    /// Below and above the map: for each column the mean of its border [m], and the slope outwards [m per pixel].
+    /// Below and above the map: for each column the mean of its border [m], and the outward slope [m per pixel].
     low: (Vec<f64>, f64),
     high: (Vec<f64>, f64),
 }
@@ -131,7 +133,7 @@ impl Padded {
     fn height(&self, i: usize, j: usize) -> f64 {
         let ny = self.rows.len() / self.nx;
         let outwards = |(means, slope): &(Vec<f64>, f64), beyond: usize| {
-            // The mean stands for the middle of its pixels.
+            // The mean is the height at the centre of its pixels.
             let centre = 0.5 * (BORDER.min(ny) as f64 - 1.0);
             means[i] + slope * (beyond as f64 + centre)
         };
@@ -143,14 +145,14 @@ impl Padded {
     }
 }
 
-/// The four pixels around a place along an axis, and their weights.
+/// The four pixels around a position along an axis, with their weights.
 struct Stencil {
     pixels: [usize; 4],
     weights: [f64; 4],
 }
 
 impl Stencil {
-    /// At a pixel coordinate of an axis with `count` pixels.
+    /// Stencil at a pixel coordinate of an axis with `count` pixels.
     fn at(coordinate: f64, count: usize) -> Self {
         let floor = coordinate.floor();
         let clamp = |step: usize| (floor as isize + step as isize - 1).clamp(0, count as isize - 1) as usize;
@@ -158,7 +160,7 @@ impl Stencil {
     }
 }
 
-/// Heights at the crossings of stencils along x and y, from those of pixels; x runs fastest.
+/// Heights at the intersections of stencils along x and y, from pixel heights; x runs fastest.
 fn laid((x, y): (&[Stencil], &[Stencil]), height: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f64> {
     let at = |across: &Stencil, along: &Stencil| -> f64 {
         let row = |j: usize| (0..4).map(|a| across.weights[a] * height(across.pixels[a], j)).sum::<f64>();
@@ -168,13 +170,13 @@ fn laid((x, y): (&[Stencil], &[Stencil]), height: impl Fn(usize, usize) -> f64 +
     rows.collect()
 }
 
-/// Pixels to each side over which parabolas are fitted, for a voxel of so many pixels.
+/// Half width in pixels of the fitted parabolas, for a voxel that spans this number of pixels.
 fn half_width(pixels: f64) -> usize {
     (pixels + 1e-9).floor() as usize
 }
 
-/// Products that [`LatticeHeights::of`] adds up at most, for voxels of so many pixels: over each row of the padded map for
-/// each column that is read, then over those. Shapes are those of the lattice and of the padded map.
+/// Upper bound on the products summed by [`LatticeHeights::of`], for voxels that span this number of pixels: over each
+/// row of the padded map for each used column, then over those. Shapes are those of the lattice and of the padded map.
 pub(super) fn smoothing_sums(pixels: f64, lattice: DVec2, padded: DVec2) -> f64 {
     let half_width = half_width(pixels);
     if half_width < 2 {
@@ -184,7 +186,7 @@ pub(super) fn smoothing_sums(pixels: f64, lattice: DVec2, padded: DVec2) -> f64 
     (2 * half_width + 1) as f64 * read.x * (padded.y + read.y)
 }
 
-/// The pixels that stencils read, each on the parabola over `half_width` pixels to each side of it, along x and then y.
+/// The pixels that stencils use, smoothed by the parabola over `half_width` pixels to each side, along x and then y.
 struct Smooth {
     /// Columns and rows, ascending.
     columns: Vec<usize>,
@@ -210,20 +212,20 @@ impl Smooth {
         Self { columns, rows, heights }
     }
 
-    /// Height of a pixel that a stencil reads [m].
+    /// Smoothed height of a pixel that a stencil uses [m].
     fn height(&self, i: usize, j: usize) -> f64 {
         let place = |of: &[usize], pixel: usize| of.binary_search(&pixel).expect("a pixel that a stencil reads");
         self.heights[place(&self.rows, j) * self.columns.len() + place(&self.columns, i)]
     }
 }
 
-/// The pixels of some stencils, ascending.
+/// Pixels used by some stencils, ascending.
 fn read(stencils: &[Stencil]) -> Vec<usize> {
     let pixels: BTreeSet<usize> = stencils.iter().flat_map(|stencil| stencil.pixels).collect();
     pixels.into_iter().collect()
 }
 
-/// Weights of the values around a pixel in the parabola's value there.
+/// Weights of the values around a pixel for the parabola's value at that pixel.
 fn parabola(half_width: usize) -> Vec<f64> {
     let m = half_width as f64;
     let norm = (2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0);
@@ -231,7 +233,7 @@ fn parabola(half_width: usize) -> Vec<f64> {
     (0..=2 * half_width).map(|k| weight(k as f64 - m)).collect()
 }
 
-/// Value at pixel `i` on the parabola through the values around it; beyond the ends the last ones go on.
+/// Value at pixel `i` of the parabola fitted to the values around it; beyond the ends the last values are repeated.
 fn fitted(weights: &[f64], values: &[f64], i: usize) -> f64 {
     let half_width = weights.len() / 2;
     let first = i.checked_sub(half_width);
@@ -242,11 +244,11 @@ fn fitted(weights: &[f64], values: &[f64], i: usize) -> f64 {
     weights.iter().enumerate().map(|(k, weight)| weight * clamped(k)).sum()
 }
 
-/// Rows of `width` values, each continued by `pad` values at both ends; `most` is the steepest tilt per pixel.
+/// Rows of `width` values, each extended by `pad` values at both ends; `most` is the greatest tilt per pixel.
 fn extended(values: &[f64], width: usize, pad: usize, most: f64) -> Vec<f64> {
     let (before, after) = (side_slope(values, width, false, most), side_slope(values, width, true, most));
     let border = BORDER.min(width);
-    // The mean stands for the middle of its pixels.
+    // The mean is the height at the centre of its pixels.
     let centre = 0.5 * (border as f64 - 1.0);
     let mut out = Vec::with_capacity(values.len() / width * (width + 2 * pad));
     for row in values.chunks_exact(width) {
@@ -258,7 +260,7 @@ fn extended(values: &[f64], width: usize, pad: usize, most: f64) -> Vec<f64> {
     out
 }
 
-/// Median slope per pixel of the rows at their start or end; zero where it is steeper than `most`.
+/// Median slope per pixel of the rows at their start or end; zero if it is steeper than `most`.
 fn side_slope(values: &[f64], width: usize, at_end: bool, most: f64) -> f64 {
     let base = SLOPE_BASE.min(width);
     let border = BORDER.min(base / 2);
@@ -276,7 +278,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Turns rows of `width` values into columns.
+/// Transposes rows of `width` values.
 fn transposed(values: &[f64], width: usize) -> Vec<f64> {
     let height = values.len() / width;
     (0..values.len()).map(|k| values[(k % height) * width + k / height]).collect()

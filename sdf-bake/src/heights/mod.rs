@@ -1,10 +1,10 @@
-//! Height maps as instruments give them, and the solid below one as a signed distance field.
+//! Height maps of instruments, and the solid below a map as a signed distance field.
 //!
 //! A map is a regular grid of points: pixel (i, j) is the *point* `origin + pitch · (i, j)`, i along x, j along y.
-//! A height is along z; NaN is a pixel that the instrument could not see.
+//! A height is along z; NaN is a pixel that the instrument could not measure.
 //!
-//! [`BrickGrid::from_heights`](crate::BrickGrid::from_heights) cleans the map (`spikes`, `fill`), lays its surface on
-//! the voxel lattice (`lattice`) and measures the distance of every voxel in the band to it (`foot`, `solid`).
+//! [`BrickGrid::from_heights`](crate::BrickGrid::from_heights) cleans the map (`spikes`, `fill`), resamples its surface
+//! on the voxel lattice (`lattice`) and computes the distance of every voxel in the band to it (`foot`, `solid`).
 
 mod fill;
 mod foot;
@@ -18,10 +18,10 @@ use thiserror::Error;
 
 pub use solid::{HeightsReport, SlabOptions};
 
-/// Fewest seen pixels along each axis that make a surface.
+/// Least number of measured pixels along each axis.
 pub const LEAST_PIXELS: usize = 4;
 
-/// Where the pixels of an instrument lie.
+/// Positions of an instrument's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PixelGrid {
     /// x, y of the first pixel [m].
@@ -40,27 +40,27 @@ impl PixelGrid {
         self.nx * self.ny
     }
 
-    /// Whether there is no pixel.
+    /// True if there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Position of pixel (i, j) in a list of values; i runs fastest.
+    /// Index of pixel (i, j) in a list of values; i runs fastest.
     pub fn at(&self, i: usize, j: usize) -> usize {
         j * self.nx + i
     }
 
-    /// Place of pixel (i, j) [m].
+    /// Position of pixel (i, j) [m].
     pub fn position(&self, i: usize, j: usize) -> DVec2 {
         self.origin + self.pitch * DVec2::new(i as f64, j as f64)
     }
 
-    /// Pixel coordinates of a place [m]: whole numbers at the pixels.
+    /// Pixel coordinates of a position [m]: whole numbers at the pixels.
     pub fn coordinates(&self, place: DVec2) -> DVec2 {
         (place - self.origin) / self.pitch
     }
 
-    /// Index of the pixel nearest to a place [m], `None` if that is more than half a pitch beyond the border.
+    /// Index of the pixel nearest to a position [m]; `None` more than half a pitch beyond the border.
     pub fn nearest(&self, place: DVec2) -> Option<usize> {
         let at = self.coordinates(place).round();
         let within = at.cmpge(DVec2::ZERO).all() && at.x < self.nx as f64 && at.y < self.ny as f64;
@@ -71,14 +71,14 @@ impl PixelGrid {
 /// Heights on a pixel grid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeightMap {
-    /// Where the pixels lie.
+    /// Positions of the pixels.
     pub pixels: PixelGrid,
     /// Heights [m], NaN where missing, shape `[ny, nx]`.
     pub heights: Vec<f64>,
 }
 
 impl HeightMap {
-    /// A map from a function of place [m] to height [m].
+    /// Map from a function of position [m] to height [m].
     pub fn from_function(pixels: PixelGrid, height: impl Fn(DVec2) -> f64) -> Self {
         let heights = (0..pixels.len()).map(|k| height(pixels.position(k % pixels.nx, k / pixels.nx))).collect();
         Self { pixels, heights }
@@ -94,27 +94,27 @@ impl HeightMap {
         self.heights.iter().filter(|height| height.is_nan()).count()
     }
 
-    /// Indices of pixels that stick out of their surroundings in every direction.
+    /// Indices of pixels that stand out from their surroundings in every direction.
     ///
-    /// A pixel's excess along a direction is its height less the mean of its two neighbours there, which no slope
-    /// changes; a ridge or a toe has one direction without excess. A spike's least excess over the four directions is
-    /// above five robust standard deviations of all excesses, of those in the 5 x 5 pixels around it, and above what
-    /// a crown with a radius of ten pixels has.
+    /// A pixel's excess along a direction is its height minus the mean of its two neighbours in that direction, which
+    /// no slope changes; along a ridge or a toe one direction has no excess. A spike's least excess over the four
+    /// directions exceeds five robust standard deviations of all excesses, five of those in the 5 x 5 pixels around it,
+    /// and the excess of a crown with a radius of ten pixels.
     pub fn spikes(&self) -> Vec<usize> {
         spikes::find(self)
     }
 
-    /// The map with missing pixels filled by the thin plate through the others (least bending energy). Pixels that
-    /// are seen stay.
+    /// Fills missing pixels by the thin plate of least bending energy through the others. Measured pixels do not
+    /// change.
     ///
     /// # Errors
-    /// [`HeightsError`] when shape and pitch do not make a map, or too few pixels are seen.
+    /// [`HeightsError`] if shape and pitch are invalid, or too few pixels are measured.
     pub fn filled(&self) -> Result<Self, HeightsError> {
         self.check()?;
         Ok(fill::filled(self))
     }
 
-    /// Checks shape, pitch and number of seen pixels.
+    /// Checks shape, pitch and number of measured pixels.
     pub(crate) fn check(&self) -> Result<(), HeightsError> {
         let PixelGrid { origin, pitch, nx, ny } = self.pixels;
         if !(pitch > 0.0 && pitch.is_finite() && origin.is_finite()) {
@@ -131,10 +131,10 @@ impl HeightMap {
     }
 }
 
-/// Why a height map makes no surface.
+/// Reason why a height map gives no surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum HeightsError {
-    /// Origin or pitch is no length.
+    /// Origin or pitch is invalid.
     #[error("origin {origin} m and pitch {pitch} m: finite values and a pitch above zero are expected")]
     BadGrid {
         /// Origin given [m].
@@ -142,47 +142,47 @@ pub enum HeightsError {
         /// Pitch given [m].
         pitch: f64,
     },
-    /// The number of values is not that of the pixels.
+    /// The number of values differs from that of the pixels.
     #[error("{found} heights for {nx} x {ny} pixels")]
     WrongShape {
-        /// Heights given.
+        /// Number of heights given.
         found: usize,
         /// Pixels along x.
         nx: usize,
         /// Pixels along y.
         ny: usize,
     },
-    /// Not enough was seen.
+    /// Too few pixels are measured.
     #[error("{seen} of {nx} x {ny} pixels are seen: at least 4 x 4 pixels and a quarter of them are needed")]
     TooFewPixels {
-        /// Pixels with a height.
+        /// Number of measured pixels.
         seen: usize,
         /// Pixels along x.
         nx: usize,
         /// Pixels along y.
         ny: usize,
     },
-    /// The field, or the map with its margin, would not fit in memory.
+    /// The field, or the map with its margin, is too large for memory.
     #[error("{points:.1e} points: at most {accepted:.0e} are accepted; use a larger voxel or a smaller margin")]
     TooLarge {
-        /// Lattice points, or pixels of the map's rows with the margin.
+        /// Number of lattice points, or of pixels of the map's rows with the margin.
         points: f64,
-        /// Points that are accepted.
+        /// Greatest accepted number of points.
         accepted: f64,
     },
-    /// The pixels between voxels would take too long to smooth.
+    /// Smoothing the pixels between voxels would take too long.
     #[error(
         "a voxel of {pixels:.0} pixels: at most {accepted:.0e} sums are accepted, not {sums:.1e}; use a smaller voxel or margin"
     )]
     TooCoarse {
-        /// Pixels along a voxel.
+        /// Pixels per voxel.
         pixels: f64,
-        /// Products that smoothing would add up.
+        /// Number of products that smoothing would sum.
         sums: f64,
-        /// Products that are accepted.
+        /// Greatest accepted number of products.
         accepted: f64,
     },
-    /// Heights so far apart that their steps, as walls, or the box around them would not fit in memory.
+    /// Heights differ so much that steps as vertical walls, or the box around them, are too large for memory.
     #[error(
         "heights from {:?} mm to {:?} mm are too far apart for a voxel of {:?} mm: leave cells without a height empty, or use a \
          larger voxel",
@@ -193,17 +193,17 @@ pub enum HeightsError {
         low: f64,
         /// Greatest height [m].
         high: f64,
-        /// Voxel asked for [m].
+        /// Requested voxel [m].
         voxel: f64,
     },
-    /// The options make no field.
+    /// An option is out of range.
     #[error("{name} is {found}, it must be {accepted}")]
     BadOption {
         /// Field of [`SlabOptions`].
         name: &'static str,
         /// Value given.
         found: f64,
-        /// What would do.
+        /// Accepted values.
         accepted: &'static str,
     },
 }

@@ -8,36 +8,37 @@ use super::{HeightMap, HeightsError, PixelGrid};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, voxel_at};
 use crate::implicit::Filled;
 
-/// Where in a brick the sides and the bottom lie [voxels from its first voxel]: a band of three fits around them.
+/// Position of the sides and the bottom in a brick [voxels from its first voxel]: a band of three voxels fits around
+/// them.
 const SIDE_PLACE: f64 = 3.5;
 
-/// Points that a map with its margin may have: 800 MB of heights.
+/// Greatest number of points of a map with its margin: 800 MB of heights.
 const MOST_POINTS: f64 = 1e8;
 
-/// Products that smoothing the pixels between voxels may add up: a minute of work.
+/// Greatest number of products summed in smoothing: about a minute of computing.
 const MOST_SUMS: f64 = 3e10;
 
-/// Voxels that the steps between pixels may have as walls together, and bricks that the box around a solid may have: a
-/// minute of work each.
+/// Greatest number of voxels on the vertical walls of steps between pixels, and of bricks in the box around a solid:
+/// about a minute of computing each.
 const MOST_WALL: f64 = 3e7;
 const MOST_BOX: f64 = 3e7;
 
-/// How a height map becomes a solid.
+/// Options for the conversion of a height map to a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabOptions {
     /// Distance between voxels [m].
     pub voxel: f64,
     /// Truncation distance [voxels], 2 to 16. Default 3.
     pub band_voxels: f64,
-    /// How far the surface is continued beyond the map's border, at least [m]. Give half the tool's width, so that
-    /// it finds no edge. Default 16 voxels.
+    /// Least distance to which the surface is extrapolated beyond the map's border [m]. Use half the tool's width, so
+    /// that the tool meets no edge. Default 16 voxels.
     pub margin: f64,
-    /// Material below the lowest pixel, at least [m]. Default 2 mm or 16 voxels.
+    /// Least thickness of material below the lowest pixel [m]. Default 2 mm or 16 voxels.
     pub thickness: f64,
 }
 
 impl SlabOptions {
-    /// Defaults for a voxel size [m].
+    /// Default options for a voxel size [m].
     pub fn with_voxel(voxel: f64) -> Self {
         Self { voxel, band_voxels: 3.0, margin: 16.0 * voxel, thickness: (16.0 * voxel).max(2e-3) }
     }
@@ -59,8 +60,8 @@ impl SlabOptions {
 }
 
 impl SlabOptions {
-    /// Refuses more points than fit in memory: of the lattice over map and margin, or of the map's rows continued as far.
-    /// Refuses more sums than a minute has time for where a voxel spans many pixels.
+    /// Rejects more points than fit in memory: of the lattice over map and margin, or of the map's rows extended by the
+    /// margin. Also rejects smoothing that would take more than about a minute, if a voxel spans many pixels.
     fn check_size(&self, pixels: &PixelGrid) -> Result<(), HeightsError> {
         let ratio = self.voxel / pixels.pitch;
         let shape = DVec2::new(pixels.nx as f64, pixels.ny as f64);
@@ -81,7 +82,7 @@ impl SlabOptions {
 }
 
 impl SlabOptions {
-    /// Refuses heights so far apart that walls and empty bricks between them are most of the work.
+    /// Rejects heights that differ so much that walls and empty bricks between them would be most of the work.
     fn check_steps(&self, map: &HeightMap) -> Result<(), HeightsError> {
         let PixelGrid { pitch, nx, ny, .. } = map.pixels;
         let heights = &map.heights;
@@ -99,16 +100,16 @@ impl SlabOptions {
     }
 }
 
-/// What was changed in a map before it became a surface.
+/// Changes to a map before its conversion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeightsReport {
-    /// Indices of pixels that were taken for spikes and replaced.
+    /// Indices of pixels that were treated as spikes and replaced.
     pub spikes: Vec<usize>,
-    /// Pixels that were missing and filled, those of an empty rim included.
+    /// Number of missing pixels that were filled, including an empty rim.
     pub missing: usize,
 }
 
-/// The surface and the box whose top it is, in voxels.
+/// The surface, and the box of which it is the top, in voxels.
 struct Slab {
     surface: LatticeHeights,
     band: f64,
@@ -117,15 +118,15 @@ struct Slab {
 }
 
 impl BrickGrid {
-    /// The solid below a height map: a slab with the map's surface as its top, continued beyond the border by
-    /// [`SlabOptions::margin`], with upright sides and a flat bottom.
+    /// Converts a height map to a solid: a slab with the map's surface as its top, extrapolated beyond the border by
+    /// [`SlabOptions::margin`], with vertical sides and a flat bottom.
     ///
     /// Spikes are removed and missing pixels filled first. φ is the distance to the bicubic surface through the heights
-    /// at the lattice points, so along the lattice lines the surface lies at exactly the map's heights where pixels
-    /// and lattice coincide.
+    /// at the lattice points. Where pixels and lattice coincide, the surface on the lattice lines is exactly at the
+    /// map's heights.
     ///
     /// # Errors
-    /// [`HeightsError`] when the map holds no surface or an option is out of its range.
+    /// [`HeightsError`] if the map gives no surface or an option is out of range.
     pub fn from_heights(map: &HeightMap, options: &SlabOptions) -> Result<(Self, HeightsReport), HeightsError> {
         options.check()?;
         map.check()?;
@@ -163,7 +164,7 @@ impl Slab {
         let extent = pitch * DVec2::new((nx - 1) as f64, (ny - 1) as f64);
         let low = ((origin - options.margin) / options.voxel).map(before);
         let high = ((origin + extent + options.margin) / options.voxel).map(after);
-        // Bricks end less than two sides beyond the slab's sides, and feet are sought within a band of them.
+        // Bricks end less than two sides beyond the slab's sides, and feet are searched within a band of them.
         let reach = options.band_voxels + 2.0 * side;
         let (first, last) = ((low - reach).floor().as_ivec2(), (high + reach).ceil().as_ivec2());
         let surface = LatticeHeights::of(map, options.voxel, first, last);
@@ -188,7 +189,7 @@ impl Slab {
         if low.z - most >= self.band {
             return Filled::Outside;
         }
-        // The distance to a box is convex, so that no point of the brick has more than its corners.
+        // The distance to a box is convex, so its maximum over the brick is at a corner.
         let corners = [low, low.with_x(high.x), low.with_y(high.y), high.with_z(low.z)];
         if high.z - least <= -self.band && corners.iter().all(|&corner| self.box_distance(corner) <= -self.band) {
             return Filled::Inside;
@@ -223,13 +224,13 @@ impl Slab {
         distance(&self.surface, point.as_dvec3(), self.band).copysign(above)
     }
 
-    /// Signed distance [voxels] to the slab of a lattice point that has `surface` to its top.
+    /// Signed distance [voxels] of a lattice point to the slab, given its signed distance `surface` to the top.
     fn cut_by_box(&self, surface: f64, point: IVec3) -> f64 {
         let sides = self.box_distance(point.as_dvec3());
         if surface > 0.0 && sides > 0.0 { surface.hypot(sides) } else { surface.max(sides) }
     }
 
-    /// Signed distance [voxels] to the sides and the bottom; there is no top.
+    /// Signed distance [voxels] to the sides and the bottom; the top is open.
     fn box_distance(&self, at: DVec3) -> f64 {
         let middle = 0.5 * (self.low.truncate() + self.high);
         let across = (at.truncate() - middle).abs() - 0.5 * (self.high - self.low.truncate());

@@ -1,21 +1,21 @@
-//! Single pixels that lie: reflexes and drop-outs that an instrument reports as heights.
+//! Finds spikes: single wrong pixels from reflections and drop-outs that an instrument reports as heights.
 
 use super::{HeightMap, PixelGrid};
 
-/// Steps to one of the two neighbours of each direction.
+/// Steps to one of the two neighbours in each direction.
 const DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
-/// Robust standard deviations that are still noise.
+/// Number of robust standard deviations that still counts as noise.
 const SIGMAS: f64 = 5.0;
 /// Excess of a crown with a radius of ten pixels [pitch].
 const CROWN: f64 = 0.05;
-/// Half width of the neighbourhood that a spike must stick out of [pixels].
+/// Half width of the neighbourhood with which a spike is compared [pixels].
 const AROUND: isize = 2;
-/// Rounds: spikes that touch hide each other.
+/// Number of rounds: spikes that touch hide each other.
 const ROUNDS: usize = 3;
-/// Standard deviation of a normal law by its median deviation.
+/// Standard deviation of a normal distribution divided by its median absolute deviation.
 const MAD_TO_SIGMA: f64 = 1.4826;
 
-/// Spikes in rising order of index.
+/// Finds spikes; returns their indices in ascending order.
 pub(super) fn find(map: &HeightMap) -> Vec<usize> {
     let mut rest = map.clone();
     let mut spikes = Vec::new();
@@ -48,7 +48,7 @@ fn find_once(map: &HeightMap) -> Vec<usize> {
     pixels().filter(sticks_out).map(|(i, j)| map.pixels.at(i as usize, j as usize)).collect()
 }
 
-/// Height of a pixel less the mean of its two neighbours along a direction [m]; `None` where one is missing.
+/// Height of a pixel minus the mean of its two neighbours along a direction [m]; `None` if one is missing.
 fn excess(map: &HeightMap, (i, j): (isize, isize), (di, dj): (isize, isize)) -> Option<f64> {
     let at = |i: isize, j: isize| {
         let within = i >= 0 && j >= 0 && i < map.pixels.nx as isize && j < map.pixels.ny as isize;
@@ -58,7 +58,7 @@ fn excess(map: &HeightMap, (i, j): (isize, isize), (di, dj): (isize, isize)) -> 
     excess.is_finite().then_some(excess)
 }
 
-/// Least magnitude of a pixel's excesses [m]; zero where they differ in sign or fewer than two are known.
+/// Least magnitude of a pixel's excesses [m]; zero if they differ in sign or fewer than two are known.
 fn least_excess(map: &HeightMap, pixel: (isize, isize)) -> f64 {
     let (mut low, mut high, mut known) = (f64::INFINITY, f64::NEG_INFINITY, 0);
     for step in DIRECTIONS {

@@ -1,4 +1,4 @@
-//! From a grid that was read back to bricks.
+//! Converts a grid that was read to bricks.
 
 use glam::{DVec3, I64Vec3, IVec3};
 
@@ -7,8 +7,8 @@ use super::tree::{GridClass, NvdbGrid, Tile, Tree, Values};
 use crate::channels::Scalar;
 use crate::grid::{BRICK_VOXELS, BrickGrid, INSIDE, OUTSIDE, voxel_at};
 
-/// Index entries allowed for a tree: so many for each of its leaves and tiles, and some for a small one. A leaf's 2 KiB
-/// allow 256 bytes of the index's root.
+/// Index entries allowed per leaf and tile of a tree, plus some for a small one. The 2 KiB of a leaf allow 256 bytes of
+/// the index's root.
 const ENTRIES_PER_NODE: u128 = 1 << 15;
 const ENTRIES_AT_LEAST: u128 = 1 << 22;
 
@@ -16,12 +16,11 @@ const ENTRIES_AT_LEAST: u128 = 1 << 22;
 const BEYOND: f32 = 1.0 - 1e-6;
 
 impl NvdbGrid {
-    /// The bricks of a level set. What [`super::write()`] wrote comes back bit for bit: voxel, band, every φ, and
-    /// inside or outside where no brick is. Bricks are in index order; the index spans the bricks and the inside.
+    /// Converts a level set to bricks. The output of [`super::write()`] is restored bit for bit: voxel, band, every φ,
+    /// and the side outside the bricks. Bricks are in index order; the index spans the bricks and the inside.
     ///
     /// # Errors
-    /// Not a Float level set, moved away from the origin, too sparse, or values that are
-    /// no truncated distances.
+    /// Not a Float level set, translated from the origin, too sparse, or values that are not truncated distances.
     pub fn to_bricks(&self) -> Result<BrickGrid, BricksError> {
         let tree = match (&self.values, self.class) {
             (Values::Float(tree), GridClass::LevelSet) => tree,
@@ -50,10 +49,10 @@ impl NvdbGrid {
         Ok(grid)
     }
 
-    /// Sets a grid's `label` from this Int32 grid; voxels that are not active are 0.
+    /// Sets a grid's `label` from this Int32 grid; inactive voxels are 0.
     ///
     /// # Errors
-    /// Not an Int32 grid, another voxel size or origin, an id beyond 65535, or an id where the grid has no brick.
+    /// Not an Int32 grid, a different voxel size or origin, an id beyond 65535, or an id outside the grid's bricks.
     pub fn attach_labels(&self, grid: &mut BrickGrid) -> Result<(), BricksError> {
         let Values::Int32(tree) = &self.values else {
             return Err(self.wrong_kind("an Int32 grid"));
@@ -71,7 +70,7 @@ impl NvdbGrid {
     /// Sets a channel of a grid from this Float grid; 0 where this grid has no leaf.
     ///
     /// # Errors
-    /// As [`NvdbGrid::channel`], and a value that is not finite.
+    /// Those of [`NvdbGrid::channel`], and a value that is not finite.
     pub fn attach_scalar(&self, channel: Scalar, grid: &mut BrickGrid) -> Result<(), BricksError> {
         let values = self.channel(grid)?;
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {
@@ -82,10 +81,10 @@ impl NvdbGrid {
         Ok(())
     }
 
-    /// A Float channel in the order of `grid.phi`, shape `[bricks, 512]`; 0 where this grid has no leaf.
+    /// Returns a Float channel in the order of `grid.phi`, shape `[bricks, 512]`; 0 where this grid has no leaf.
     ///
     /// # Errors
-    /// Not a Float grid, another voxel size or origin, or a value where the grid has no brick.
+    /// Not a Float grid, a different voxel size or origin, or a value outside the grid's bricks.
     pub fn channel(&self, grid: &BrickGrid) -> Result<Vec<f32>, BricksError> {
         match &self.values {
             Values::Float(tree) => self.gather(tree, grid),
@@ -119,7 +118,7 @@ impl NvdbGrid {
         Ok(values)
     }
 
-    /// Tiles of the inside; any other tile of a level set must be outside.
+    /// Returns the inside tiles; any other tile of a level set must be outside.
     fn inside_tiles<'a>(&self, tree: &'a Tree<f32>) -> Result<Vec<&'a Tile<f32>>, BricksError> {
         let band = tree.background;
         let mut inside = Vec::new();
@@ -135,7 +134,7 @@ impl NvdbGrid {
         Ok(inside)
     }
 
-    /// An empty grid whose index spans all leaves and the given tiles.
+    /// Makes an empty grid whose index spans all leaves and the given tiles.
     fn empty_over(&self, tree: &Tree<f32>, inside: &[&Tile<f32>]) -> Result<BrickGrid, BricksError> {
         let leaves = tree.leaves.iter().map(|leaf| (leaf.as_i64vec3(), leaf.as_i64vec3() + 1));
         let tiles = inside.iter().map(|tile| {

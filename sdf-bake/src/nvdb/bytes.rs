@@ -1,4 +1,4 @@
-//! Reads from untrusted bytes: every access is checked, and says what it was for.
+//! Reads from untrusted bytes: every access is checked, and errors state its purpose.
 
 use bytemuck::Pod;
 
@@ -13,7 +13,7 @@ impl<'a> Bytes<'a> {
         self.0.len() as u64
     }
 
-    /// `count` bytes from `at` on.
+    /// Returns `count` bytes from `at` on.
     pub(super) fn slice(self, what: &'static str, at: u64, count: u64) -> Result<&'a [u8], NvdbError> {
         let end = at.saturating_add(count);
         if end > self.len() {
@@ -22,7 +22,7 @@ impl<'a> Bytes<'a> {
         Ok(&self.0[at as usize..end as usize])
     }
 
-    /// A plain struct at `at`, wherever it is aligned.
+    /// Reads a plain struct at `at`, whatever its alignment.
     pub(super) fn get<T: Pod>(self, what: &'static str, at: u64) -> Result<T, NvdbError> {
         self.slice(what, at, size_of::<T>() as u64).map(bytemuck::pod_read_unaligned)
     }

@@ -1,4 +1,4 @@
-//! A field with all its channels as one file: a grid for each channel, under the channel's name.
+//! A field with all its channels as one file, with one grid per channel under the channel's name.
 
 use super::error::{BricksError, WriteError};
 use super::tree::NvdbFile;
@@ -11,11 +11,11 @@ pub const PHI: &str = "phi";
 /// Name of the grid of weld ids.
 pub const WELD_ID: &str = "weld_id";
 
-/// The bytes of a file with φ as `phi`, weld ids as `weld_id`, and each [`Scalar`] under its name; a channel that the
-/// field has not is left out.
+/// Writes a file with φ as `phi`, weld ids as `weld_id`, and each [`Scalar`] under its name; channels that the field
+/// does not have are omitted.
 ///
 /// # Errors
-/// As [`write()`].
+/// Those of [`write()`].
 pub fn write_field(field: &BrickGrid, codec: Codec) -> Result<Vec<u8>, WriteError> {
     let mut grids = vec![GridRef::LevelSet { name: PHI, grid: field }];
     if !field.label.is_empty() {
@@ -31,10 +31,10 @@ pub fn write_field(field: &BrickGrid, codec: Codec) -> Result<Vec<u8>, WriteErro
 }
 
 impl NvdbFile {
-    /// The field that [`write_field`] wrote, with the channels that the file has.
+    /// Restores the field that [`write_field`] wrote, with the channels that the file has.
     ///
     /// # Errors
-    /// No grid `phi`, or a grid that cannot become bricks or a channel of them.
+    /// No grid `phi`, or a grid that cannot be converted to bricks or to a channel.
     pub fn to_field(&self) -> Result<BrickGrid, BricksError> {
         let found = || self.grids.iter().map(|grid| grid.name.clone()).collect();
         let phi = self.grid(PHI).ok_or_else(|| BricksError::Missing { wanted: PHI, found: found() })?;

@@ -1,11 +1,11 @@
 //! NanoVDB's checksum of a grid: two CRC-32, one of the head, one of the CRCs of all nodes.
 
-/// Half of a checksum that was not computed.
+/// Value of half a checksum that was not computed.
 pub(super) const NONE: u32 = u32::MAX;
-/// Magic number and the checksum itself, which no checksum covers [bytes].
+/// Length of the magic number and the checksum itself, which no checksum covers [bytes].
 const UNCOVERED: usize = 16;
 
-/// CRC of grid head, tree and root; `bytes` ends behind the last root entry.
+/// CRC of grid head, tree and root; `bytes` ends after the last root entry.
 pub(super) fn head(bytes: &[u8]) -> u32 {
     crc32fast::hash(&bytes[UNCOVERED..])
 }
@@ -17,7 +17,7 @@ pub(super) fn tail(nodes: impl Iterator<Item = u32>) -> u32 {
     of_nodes(nodes.map(u64::from))
 }
 
-/// As [`tail`], from a writer where `uint_fast32_t` has four bytes.
+/// [`tail`] for a writer with four bytes in `uint_fast32_t`.
 pub(super) fn narrow_tail(nodes: impl Iterator<Item = u32>) -> u32 {
     of_nodes(nodes)
 }

@@ -1,4 +1,4 @@
-//! One grid's bytes: the tree, its statistics and its checksum.
+//! Encodes one grid: the tree, its statistics and its checksum.
 
 use bytemuck::{Zeroable, bytes_of};
 use glam::{DVec3, IVec3};
@@ -14,7 +14,7 @@ use super::summary::Summary;
 use super::topology::{Cell, Cells, Nodes, Topology};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS};
 
-/// Where the parts of a grid lie [bytes from its head].
+/// Offsets of the parts of a grid [bytes from its head].
 #[derive(Clone, Copy, Debug)]
 struct Places {
     root: usize,
@@ -34,14 +34,14 @@ impl Places {
     }
 }
 
-/// A grid ready to be written: its tree is laid out, so its size is known.
+/// A grid prepared for writing: its tree is laid out, so its size is known.
 pub(super) struct Plan<F: Field> {
     field: F,
     tree: Topology,
     places: Places,
 }
 
-/// What the file's own table says of a grid.
+/// Entries for a grid in the file's own table.
 pub(super) struct Written {
     pub(super) head: GridData,
     pub(super) tree: TreeData,
@@ -58,13 +58,13 @@ impl<F: Field> Plan<F> {
         Self { field, tree, places }
     }
 
-    /// Bytes of the grid in memory.
+    /// Size of the grid in memory [bytes].
     pub(super) fn bytes(&self) -> usize {
         self.places.end
     }
 
-    /// Writes the grid into `out`, which is zero and [`Plan::bytes`] long. `grids_left` counts the grids of
-    /// the file from this one on.
+    /// Writes the grid into `out`, which is zero and [`Plan::bytes`] long. `grids_left` is the number of grids of the
+    /// file from this one on.
     pub(super) fn write(&self, name: &str, grids_left: u32, out: &mut [u8]) -> Written {
         let (head_bytes, rest) = out.split_at_mut(self.places.uppers);
         let (upper_bytes, rest) = rest.split_at_mut(self.places.lowers - self.places.uppers);
@@ -183,8 +183,8 @@ impl<F: Field> Plan<F> {
             magic: MAGIC,
             version: Version::WRITTEN,
             flags: flags::MIN_MAX | flags::AVERAGE | flags::STD_DEVIATION | flags::BREADTH_FIRST | has_box,
-            // Readers of 32.4 take a payload for a buffer of its own and look for grid 0 in it; others lay
-            // the payloads end to end and go on while the count says so. Counting down serves both.
+            // Readers of 32.4 treat a payload as a separate buffer and look for grid 0 in it; others concatenate the
+            // payloads and continue while the count allows. Counting down works for both.
             grid_index: 0,
             grid_count: grids_left,
             grid_size: self.places.end as u64,
@@ -245,15 +245,15 @@ impl<F: Field> Plan<F> {
     }
 }
 
-/// How an inner level refers to the level below.
+/// Layout of an inner level and its references to the level below.
 struct LevelPlan<'a> {
     level: Level,
-    /// This level's nodes, in units of their size.
+    /// Coordinates of this level's nodes, in units of their size.
     at: &'a [IVec3],
     cells: &'a Cells,
     children: &'a Nodes,
     child_bytes: usize,
-    /// From this level's first node to the first child [bytes].
+    /// Offset from this level's first node to the first child [bytes].
     gap: usize,
 }
 
@@ -276,13 +276,13 @@ fn active_box(active: &[u64; 8]) -> (IVec3, IVec3) {
     (low, high)
 }
 
-/// Active voxels; NanoVDB's empty box if there are none.
+/// Box of the active voxels; NanoVDB's empty box if there are none.
 fn index_box<V>(summary: &Summary<V>) -> [i32; 6] {
     let (low, high) = (summary.low, summary.high);
     [low.x, low.y, low.z, high.x, high.y, high.z]
 }
 
-/// From the lowest active voxel to one beyond the highest [m].
+/// Box from the lowest active voxel to one beyond the highest [m].
 fn world_box<V>(summary: &Summary<V>, voxel: f64) -> [f64; 6] {
     if summary.count == 0 {
         return [f64::MAX, f64::MAX, f64::MAX, f64::MIN, f64::MIN, f64::MIN];

@@ -1,17 +1,17 @@
-//! What can be wrong with a file, with what is to become one, and with what was read.
+//! Errors of writing a file, of reading one, and of converting what was read.
 
 use thiserror::Error;
 
-/// Why grids were not written.
+/// Reason why grids were not written.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum WriteError {
-    /// The file would hold no grid, or more than its counter can count.
+    /// No grid, or more grids than the format's counter allows.
     #[error("{0} grids for one file; give between 1 and 65535")]
     GridCount(usize),
-    /// A name NanoVDB cannot hold.
+    /// A name that NanoVDB cannot store.
     #[error("{0:?} cannot name a grid; give 1 to 255 bytes without a zero byte")]
     Name(String),
-    /// An array does not fit the bricks.
+    /// An array whose length does not match the bricks.
     #[error("grid {name:?} has {values} values, its bricks need {expected}")]
     Values {
         /// The grid.
@@ -21,32 +21,32 @@ pub enum WriteError {
         /// 512 for each brick.
         expected: usize,
     },
-    /// A brick grid that contradicts itself.
+    /// An inconsistent brick grid.
     #[error("grid {name:?}: {what}")]
     Grid {
         /// The grid.
         name: String,
-        /// What was found.
+        /// The inconsistency.
         what: String,
     },
 }
 
-/// Why bytes were not read as a `.nvdb` file.
+/// Reason why bytes were not read as a `.nvdb` file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NvdbError {
     /// The file ends too early.
     #[error("the file ends inside {what}: bytes {at} to {end} of {length}; it is truncated")]
     Truncated {
-        /// What was being read.
+        /// Part that was being read.
         what: &'static str,
-        /// Where it begins [bytes].
+        /// Start of this part [bytes].
         at: u64,
-        /// Where it would end [bytes].
+        /// End of this part [bytes].
         end: u64,
-        /// Bytes there are.
+        /// Length of the file [bytes].
         length: u64,
     },
-    /// No NanoVDB file or grid.
+    /// Not a NanoVDB file or grid.
     #[error("{what} begins with {found:?}, not \"NanoVDB0\"; a .nvdb file is expected")]
     Magic {
         /// The file or a grid.
@@ -54,7 +54,7 @@ pub enum NvdbError {
         /// The first eight bytes.
         found: String,
     },
-    /// Another major version.
+    /// An unsupported major version.
     #[error("NanoVDB version {major}.{minor}; versions 32.x are read, write the file anew with such a version")]
     Version {
         /// Major version.
@@ -62,10 +62,10 @@ pub enum NvdbError {
         /// Minor version.
         minor: u32,
     },
-    /// A codec that is not read.
+    /// An unsupported codec.
     #[error("codec {0}; none and zip are read, write the file anew with one of them")]
     Codec(&'static str),
-    /// A value type that is not read.
+    /// An unsupported value type.
     #[error("grid {grid:?} holds {found} values; Float and Int32 are read")]
     ValueType {
         /// The grid.
@@ -79,46 +79,46 @@ pub enum NvdbError {
         /// The grid.
         grid: String,
     },
-    /// A compressed grid that does not unpack to what the file promises.
+    /// A compressed grid that does not decompress to the size that the file states.
     #[error("grid {grid:?} does not unpack: {reason}; the file is damaged")]
     Unzip {
         /// The grid.
         grid: String,
-        /// What zlib found.
+        /// Error of zlib.
         reason: String,
     },
-    /// A size, count or offset that the grid cannot have.
+    /// An invalid size, count or offset of a grid.
     #[error("grid {grid:?}: {what}; the file is damaged")]
     Structure {
         /// The grid.
         grid: String,
-        /// What was found.
+        /// The fault.
         what: String,
     },
 }
 
-/// Why a grid that was read cannot become bricks or a channel of bricks.
+/// Reason why a grid that was read cannot be converted to bricks or to a channel.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BricksError {
     /// The file lacks a grid.
     #[error("no grid {wanted:?}; the file holds {found:?}")]
     Missing {
-        /// The grid looked for.
+        /// Name of the missing grid.
         wanted: &'static str,
-        /// Names of the grids there are.
+        /// Names of the file's grids.
         found: Vec<String>,
     },
-    /// The grid holds something else.
+    /// The grid has a different kind.
     #[error("grid {grid:?} is a {found}; {expected} is needed")]
     Kind {
         /// The grid.
         grid: String,
         /// Its class and value type.
         found: String,
-        /// What would be accepted.
+        /// Kind that is accepted.
         expected: &'static str,
     },
-    /// A world that does not begin at voxel (0, 0, 0).
+    /// A grid whose voxel (0, 0, 0) is not at the origin of its world.
     #[error("grid {grid:?} is moved by {translation} m; bricks need voxel (0, 0, 0) at the origin")]
     Translation {
         /// The grid.
@@ -133,19 +133,19 @@ pub enum BricksError {
         grid: String,
         /// Bricks.
         leaves: usize,
-        /// Bricks that the box around them would hold.
+        /// Number of bricks in the box around them.
         entries: u128,
-        /// Entries that would be accepted.
+        /// Greatest accepted number of entries.
         limit: u128,
     },
-    /// A value that the bricks cannot hold.
+    /// A value that bricks cannot store.
     #[error("grid {grid:?}, voxel {voxel}: {what}")]
     Value {
         /// The grid.
         grid: String,
-        /// Where.
+        /// Voxel of the value.
         voxel: glam::IVec3,
-        /// What was found there.
+        /// Description of the value.
         what: String,
     },
 }

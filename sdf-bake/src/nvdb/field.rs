@@ -1,10 +1,10 @@
-//! What is written of a brick grid: its distances, its labels, or another channel.
+//! The written part of a brick grid: its distances, its labels, or another channel.
 
 use bytemuck::Pod;
 
 use crate::grid::{BRICK_VOXELS, BrickGrid};
 
-/// A value type of NanoVDB that is four bytes wide with statistics in f32.
+/// A NanoVDB value type of four bytes with statistics in f32.
 pub(super) trait Value: Pod + PartialOrd + Send + Sync {
     /// NanoVDB's number of the type.
     const GRID_TYPE: u32;
@@ -41,10 +41,10 @@ impl Value for i32 {
 pub(super) const CLASS_LEVEL_SET: u32 = 1;
 /// NanoVDB's number of the class of fog volumes.
 pub(super) const CLASS_FOG: u32 = 2;
-/// NanoVDB's number for no class in particular.
+/// NanoVDB's number of an unspecified class.
 pub(super) const CLASS_UNKNOWN: u32 = 0;
 
-/// A channel over a brick grid, as the writer sees it.
+/// A channel of a brick grid, as the writer uses it.
 pub(super) trait Field: Sync {
     type Value: Value;
 
@@ -52,15 +52,15 @@ pub(super) trait Field: Sync {
 
     fn grid(&self) -> &BrickGrid;
     fn background(&self) -> Self::Value;
-    /// Value of the bricks beyond the band inside, where it is not the background.
+    /// Value of bricks beyond the band inside, if it differs from the background.
     fn inside(&self) -> Option<Self::Value>;
-    /// Value at a place in the pool.
+    /// Value at an index in the pool.
     fn value(&self, at: usize) -> Self::Value;
     fn is_active(&self, value: Self::Value) -> bool;
-    /// Nodes whose values are all farther from 0 than this may be skipped by a renderer.
+    /// Limit for skipping: a renderer may skip nodes whose values all lie farther from 0 on one side.
     fn skip_beyond(&self) -> Option<f64>;
 
-    /// Whether a brick needs a leaf.
+    /// True if a brick needs a leaf.
     fn keeps(&self, slot: usize) -> bool {
         (slot * BRICK_VOXELS..(slot + 1) * BRICK_VOXELS).any(|at| self.is_active(self.value(at)))
     }
@@ -103,7 +103,7 @@ impl Field for LevelSet<'_> {
     }
 }
 
-/// Weld ids: a leaf for every brick that has one, active where it is not 0.
+/// Weld ids: a leaf for every brick that has any, active where the id is not 0.
 pub(super) struct Labels<'a>(pub(super) &'a BrickGrid);
 
 impl Field for Labels<'_> {

@@ -1,13 +1,13 @@
-//! The bytes of a `.nvdb` file, version 32.4, little-endian.
+//! Byte layout of a `.nvdb` file, version 32.4, little-endian.
 //!
 //! ```text
 //! file:  FileHeader  (FileMeta name\0)×grids  payload×grids
 //! grid:  GridData TreeData RootData RootTile×n  upper×n  lower×n  Leaf×n     all 32-byte multiples
 //! ```
 //!
-//! Both value types written here (Float, Int32) are four bytes wide with statistics in f32, so one layout
-//! serves both; a value is kept as its bits (`u32`). An inner node has no struct of its own because its table
-//! is too large for a stack; [`Level`] knows where its parts lie.
+//! Both value types written here (Float, Int32) are four bytes wide with statistics in f32, so one layout serves both;
+//! a value is stored as its bits (`u32`). An inner node has no struct of its own because its table is too large for the
+//! stack; [`Level`] gives the offsets of its parts.
 //!
 //! Source: K. Museth, "NanoVDB: a GPU-friendly and portable VDB data structure for real-time rendering and
 //! simulation", SIGGRAPH Talks 2021, and the public headers of NanoVDB 32.4.2.
@@ -16,14 +16,14 @@ use bytemuck::{Pod, Zeroable};
 
 const _: () = assert!(cfg!(target_endian = "little"), "NanoVDB files are little-endian");
 
-/// Opens a file and a grid.
+/// Magic number at the start of a file and of a grid.
 pub(super) const MAGIC: u64 = u64::from_le_bytes(*b"NanoVDB0");
-/// Opens a grid of newer 32.x writers, whose nodes are laid out alike.
+/// Magic number of a grid from newer 32.x writers, with the same node layout.
 pub(super) const MAGIC_NEWER_GRID: u64 = u64::from_le_bytes(*b"NanoVDB1");
-/// Opens a file of newer 32.x writers.
+/// Magic number of a file from newer 32.x writers.
 pub(super) const MAGIC_NEWER_FILE: u64 = u64::from_le_bytes(*b"NanoVDB2");
 
-/// Bytes in a grid's name, the closing zero included.
+/// Length of a grid's name, including the terminating zero [bytes].
 pub(super) const NAME_BYTES: usize = 256;
 
 /// Major, minor and patch number in 11, 11 and 10 bits.
@@ -74,7 +74,7 @@ pub(super) struct FileHeader {
     pub(super) codec: u16,
 }
 
-/// What a file says of a grid ahead of the payloads; the grid's name and a zero follow.
+/// Entry for a grid in a file's table before the payloads; the grid's name and a zero follow.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FileMeta {
@@ -86,24 +86,24 @@ pub(super) struct FileMeta {
     pub(super) voxel_count: u64,
     pub(super) grid_type: u32,
     pub(super) grid_class: u32,
-    /// [m]
+    /// World bounding box [m].
     pub(super) world_bbox: [f64; 6],
-    /// Inclusive [voxels].
+    /// Index bounding box, inclusive [voxels].
     pub(super) index_bbox: [i32; 6],
-    /// [m]
+    /// Voxel size [m].
     pub(super) voxel_size: [f64; 3],
-    /// Bytes of the name, the closing zero included.
+    /// Length of the name, including the terminating zero [bytes].
     pub(super) name_size: u32,
-    /// Leaves, lower nodes, upper nodes, roots.
+    /// Numbers of leaves, lower nodes, upper nodes, roots.
     pub(super) node_count: [u32; 4],
-    /// Active tiles of lower nodes, upper nodes, root.
+    /// Numbers of active tiles of lower nodes, upper nodes, root.
     pub(super) tile_count: [u32; 3],
     pub(super) codec: u16,
     pub(super) padding: u16,
     pub(super) version: Version,
 }
 
-/// Index space [voxels] to world space [m], row by row, in both precisions.
+/// Map from index space [voxels] to world space [m], row by row, in both precisions.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Map {
@@ -141,11 +141,11 @@ pub(super) struct GridData {
     pub(super) data2: u64,
 }
 
-/// Follows [`GridData`].
+/// Tree data; follows [`GridData`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct TreeData {
-    /// From here to the first leaf, lower node, upper node and the root [bytes].
+    /// Offsets from this struct to the first leaf, lower node, upper node and the root [bytes].
     pub(super) node_offset: [u64; 4],
     pub(super) node_count: [u32; 3],
     pub(super) tile_count: [u32; 3],
@@ -178,7 +178,7 @@ pub(super) struct RootData {
 #[repr(C)]
 pub(super) struct RootTile {
     pub(super) key: u64,
-    /// From the root to the upper node [bytes]; 0 for a value.
+    /// Offset from the root to the upper node [bytes]; 0 for a value.
     pub(super) child: i64,
     pub(super) state: u32,
     pub(super) value: u32,
@@ -217,9 +217,9 @@ pub(super) struct Level {
     pub(super) voxels_log2: u32,
 }
 
-/// 16³ leaves.
+/// Lower node: 16³ leaves.
 pub(super) const LOWER: Level = Level { log2: 4, voxels_log2: 7 };
-/// 32³ lower nodes.
+/// Upper node: 32³ lower nodes.
 pub(super) const UPPER: Level = Level { log2: 5, voxels_log2: 12 };
 
 impl Level {
@@ -259,7 +259,7 @@ pub(super) fn root_key(upper: glam::IVec3) -> u64 {
     part(upper.z) | part(upper.y) << 21 | part(upper.x) << 42
 }
 
-/// Coordinates of an upper node [upper nodes] from its key, or `None` for a key no writer makes.
+/// Coordinates of an upper node [upper nodes] from its key; `None` for an invalid key.
 pub(super) fn root_coordinates(key: u64) -> Option<glam::IVec3> {
     let part = |shift: u32| ((key >> shift & 0xf_ffff) << UPPER.voxels_log2) as u32 as i32 >> UPPER.voxels_log2;
     let upper = glam::IVec3::new(part(42), part(21), part(0));

@@ -1,14 +1,13 @@
-//! NanoVDB files (`.nvdb`): the cache of baked fields and the way into other programs.
+//! NanoVDB files (`.nvdb`): the cache of baked fields, and exchange with other programs.
 //!
-//! A VDB is a tree of three levels below its root: upper nodes of 32³ lower nodes of 16³ leaves of 8³ voxels
-//! (K. Museth 2013). NanoVDB lays that tree out in one buffer without pointers (K. Museth 2021). A brick of
-//! [`BrickGrid`] is a leaf, value for value, so writing is a copy plus the upper levels.
-//! Where no brick is, a node holds one *tile* value for a whole cell: −band inside, +band outside, and
-//! any sampler knows inside from outside everywhere.
+//! A VDB is a tree of three levels below its root: upper nodes of 32³ lower nodes of 16³ leaves of 8³ voxels (K. Museth
+//! 2013). NanoVDB stores that tree in one buffer without pointers (K. Museth 2021). A brick of [`BrickGrid`] is a leaf,
+//! value for value, so writing is a copy plus the upper levels. Outside the bricks, a node holds one *tile* value for a
+//! whole cell: −band inside, +band outside. So any sampler can distinguish inside from outside everywhere.
 //!
-//! [`write_field`] and [`NvdbFile::to_field`] keep a field with all its channels; [`write()`] takes any choice of grids.
-//! [`write()`] makes version 32.4 of the format; [`read()`] takes 32.x from any writer, Float and Int32, uncompressed or
-//! zip. `docs/nanovdb.md` says which programs were tried.
+//! [`write_field`] and [`NvdbFile::to_field`] store and restore a field with all its channels; [`write()`] takes any
+//! choice of grids. [`write()`] writes version 32.4 of the format; [`read()`] accepts 32.x from any writer, Float and
+//! Int32, uncompressed or zip. `docs/nanovdb.md` lists the programs that were tested.
 //!
 //! ```
 //! use glam::DVec3;
@@ -46,12 +45,12 @@ pub use write::write;
 
 use crate::grid::BrickGrid;
 
-/// How payloads are stored in a file.
+/// Compression of payloads in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codec {
-    /// As they lie in memory: fast, and read by every program.
+    /// Uncompressed: fast, and read by every program.
     None,
-    /// One zlib stream each: about a third of the size for a level set, and several times slower to write.
+    /// One zlib stream per payload: about a third of the size for a level set, and several times slower to write.
     Zip,
 }
 

@@ -1,7 +1,7 @@
-//! Walks the tree of a grid in untrusted bytes.
+//! Traverses the tree of a grid in untrusted bytes.
 //!
-//! Upper nodes point only to lower nodes and those only to leaves, so no cycle can be followed for more than three
-//! steps; and since the walk visits no more nodes than fit in the bytes, shared nodes cannot multiply.
+//! Upper nodes refer only to lower nodes and those only to leaves, so a cycle cannot be followed for more than three
+//! steps. The traversal visits no more nodes than fit in the bytes, so shared nodes cannot multiply.
 
 use std::collections::HashSet;
 
@@ -15,7 +15,7 @@ use super::layout::{GridData, LEAF_BYTES, LOWER, Leaf, Level, RootData, RootTile
 use super::tree::{Tile, Tree};
 use crate::grid::BRICK_VOXELS;
 
-/// A node found: where its bytes begin, and its place in the tree in units of its own size.
+/// A node: offset of its bytes, and its coordinates in units of its own size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub(super) at: u64,
@@ -30,11 +30,11 @@ pub(super) struct Nodes<V> {
     pub(super) leaves: Vec<Found>,
     pub(super) tiles: Vec<Tile<V>>,
     pub(super) background: V,
-    /// Where the root's table ends [bytes].
+    /// End of the root's table [bytes].
     pub(super) root_end: u64,
 }
 
-/// A walk through one grid, which gathers its tiles.
+/// A traversal of one grid that collects its tiles.
 struct Walk<'a, V> {
     grid: &'a str,
     bytes: Bytes<'a>,
@@ -96,7 +96,7 @@ impl<V: Value> Walk<'_, V> {
         Ok(())
     }
 
-    /// Where a node of `size` bytes lies that its parent at `parent` points to.
+    /// Offset of a node of `size` bytes that its parent at `parent` refers to.
     fn child(&self, what: &'static str, parent: u64, ahead: i64, size: usize) -> Result<u64, NvdbError> {
         let at = parent.checked_add_signed(ahead).unwrap_or(u64::MAX);
         self.bytes.slice(what, at, size as u64)?;
@@ -104,7 +104,7 @@ impl<V: Value> Walk<'_, V> {
         Ok(at)
     }
 
-    /// Upper nodes.
+    /// Finds the upper nodes.
     fn root(&mut self, root_at: u64, table_size: u32) -> Result<Vec<Found>, NvdbError> {
         let mut seen = HashSet::new();
         let mut uppers = Vec::new();
@@ -129,7 +129,7 @@ impl<V: Value> Walk<'_, V> {
         Ok(uppers)
     }
 
-    /// Children of an inner node.
+    /// Finds the children of an inner node.
     fn inner(&mut self, level: Level, node: &Found) -> Result<Vec<Found>, NvdbError> {
         let bytes = self.bytes.slice("an inner node", node.at, level.bytes() as u64)?;
         let bit = |from: usize, i: usize| bytes[from + i / 8] >> (i % 8) & 1 != 0;
@@ -159,7 +159,7 @@ impl<V: Value> Walk<'_, V> {
     }
 }
 
-/// Copies the leaves out of the bytes.
+/// Copies the leaves from the bytes.
 pub(super) fn collect<V: Value>(nodes: Nodes<V>, bytes: Bytes) -> Result<Tree<V>, NvdbError> {
     let mut tree = Tree {
         background: nodes.background,

@@ -1,4 +1,4 @@
-//! The bytes of a file into grids.
+//! Reads the bytes of a file to grids.
 
 use std::io::Read as _;
 
@@ -17,7 +17,7 @@ use super::layout::{
 use super::nodes::{Found, Nodes, collect, walk};
 use super::tree::{Checksum, GridClass, NvdbFile, NvdbGrid, Tree, Values};
 
-/// zlib cannot shrink anything further (RFC 1951: 258 bytes for two bits); more is a lie about the size.
+/// Greatest compression ratio of zlib (RFC 1951: 258 bytes for two bits); a greater stated size is false.
 const ZLIB_LIMIT: u64 = 1032;
 
 /// NanoVDB's names of value types, by number.
@@ -28,11 +28,11 @@ const TYPE_NAMES: [&str; 20] = [
 
 /// Reads all grids of a `.nvdb` file of version 32.x, codec none or zip, value types Float and Int32.
 ///
-/// The bytes may come from anywhere: whatever they are, the result is grids or a named error, in memory of
-/// the order of the file's own (unpacked) size. A checksum that differs is reported, not an error.
+/// The bytes are untrusted: the result is either grids or a named error, in memory of the order of the file's own
+/// (decompressed) size. A checksum that differs is reported, and is not an error.
 ///
 /// # Errors
-/// What was found and what would be accepted.
+/// The value found and the accepted values.
 pub fn read(bytes: &[u8]) -> Result<NvdbFile, NvdbError> {
     let bytes = Bytes(bytes);
     let mut grids = Vec::new();
@@ -43,10 +43,10 @@ pub fn read(bytes: &[u8]) -> Result<NvdbFile, NvdbError> {
     Ok(NvdbFile { grids })
 }
 
-/// Bytes at the start of a file that [`grids_in`] needs for a few grids.
+/// Number of bytes at the start of a file that [`grids_in`] needs for a few grids.
 pub const HEAD_BYTES: usize = 4096;
 
-/// Names of the grids in the first segment of a file that was written here, from the file's first bytes.
+/// Names of the grids in the first segment of a file written by this crate, from the file's first bytes.
 pub fn grids_in(head: &[u8]) -> Option<Vec<String>> {
     let bytes = Bytes(head);
     let header: FileHeader = bytes.get("the file header", 0).ok()?;
@@ -64,7 +64,7 @@ pub fn grids_in(head: &[u8]) -> Option<Vec<String>> {
     Some(names)
 }
 
-/// Reads one segment, and says where it ends.
+/// Reads one segment; returns its end.
 fn segment(bytes: Bytes, start: u64, grids: &mut Vec<NvdbGrid>) -> Result<u64, NvdbError> {
     let magic: u64 = bytes.get("the file header", start)?;
     check_magic("the file", magic, MAGIC_NEWER_FILE)?;
@@ -186,7 +186,7 @@ fn class(number: u32) -> GridClass {
     }
 }
 
-/// What is known of a tree besides its values.
+/// Properties of a tree besides its values.
 struct Facts {
     checksum: Checksum,
     index_bbox: Option<(IVec3, IVec3)>,
@@ -203,7 +203,7 @@ fn tree<V: Value>(name: &str, head: &GridData, bytes: Bytes) -> Result<(Tree<V>,
     Ok((tree, Facts { checksum, index_bbox, active_voxels }))
 }
 
-/// Compares the checksum with the bytes.
+/// Compares the stated checksum with that of the bytes.
 fn verify<V: Value>(head: &GridData, nodes: &Nodes<V>, bytes: Bytes) -> Result<Checksum, NvdbError> {
     let (stated_head, stated_tail) = (head.checksum as u32, (head.checksum >> 32) as u32);
     if head.checksum == u64::MAX {
@@ -227,7 +227,7 @@ fn verify<V: Value>(head: &GridData, nodes: &Nodes<V>, bytes: Bytes) -> Result<C
     Ok(if tails.contains(&stated_tail) { Checksum::Matches } else { Checksum::Differs })
 }
 
-/// CRC of each node: as they lie in the file if the grid says they lie in order, else as the tree visits them.
+/// CRC of each node: in file order if the grid states that its nodes are ordered, otherwise in traversal order.
 fn node_crcs(list: &[Found], size: usize, in_order: bool, bytes: Bytes) -> Result<Vec<u32>, NvdbError> {
     let mut places: Vec<u64> = list.iter().map(|node| node.at).collect();
     if in_order {

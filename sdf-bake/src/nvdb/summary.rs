@@ -5,14 +5,14 @@ use glam::IVec3;
 use super::field::Value;
 use super::layout::Stats;
 
-/// Count, extremes, sums and box of active values; merges without loss, in file order.
+/// Count, extremes, sums and box of active values; merging in file order is lossless.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Summary<V> {
     pub(super) count: u64,
     extremes: Option<(V, V)>,
     sum: f64,
     squares: f64,
-    /// Lowest and highest active voxel; meaningless while `count` is 0.
+    /// Lowest and highest active voxel; undefined while `count` is 0.
     pub(super) low: IVec3,
     pub(super) high: IVec3,
 }
@@ -22,7 +22,7 @@ impl<V: Value> Summary<V> {
         Self { count: 0, extremes: None, sum: 0.0, squares: 0.0, low: IVec3::MAX, high: IVec3::MIN }
     }
 
-    /// Adds an active value; its voxel is told once per leaf through [`Summary::set_box`].
+    /// Adds an active value; its voxels are added once per leaf by [`Summary::set_box`].
     pub(super) fn add(&mut self, value: V) {
         self.count += 1;
         self.widen(value, value);
@@ -53,7 +53,7 @@ impl<V: Value> Summary<V> {
         });
     }
 
-    /// As NanoVDB stores it; `fallback` where nothing is active.
+    /// Statistics as NanoVDB stores them; `fallback` if nothing is active.
     pub(super) fn stats(&self, fallback: V) -> Stats {
         let (min, max) = self.extremes.unwrap_or((fallback, fallback));
         let n = self.count.max(1) as f64;
@@ -62,7 +62,7 @@ impl<V: Value> Summary<V> {
         Stats { min: min.bits(), max: max.bits(), average: mean as f32, deviation: variance.sqrt() as f32 }
     }
 
-    /// Whether all active values lie beyond `limit` on one side, so that a renderer may pass by.
+    /// True if all active values lie beyond `limit` on one side, so that a renderer may skip the node.
     pub(super) fn beyond(&self, limit: Option<f64>) -> bool {
         match (self.extremes, limit) {
             (Some((min, max)), Some(limit)) => min.to_f64() > limit || max.to_f64() < -limit,
@@ -70,7 +70,7 @@ impl<V: Value> Summary<V> {
         }
     }
 
-    /// The box as stored in a node, whose lowest voxel an empty box must still name.
+    /// Box as stored in a node; an empty box must still give the node's lowest voxel.
     pub(super) fn node_box(&self, origin: IVec3) -> [i32; 6] {
         let (low, high) = if self.count == 0 { (origin, origin - 1) } else { (self.low, self.high) };
         [low.x, low.y, low.z, high.x, high.y, high.z]

@@ -1,7 +1,7 @@
-//! Which nodes a tree needs for a brick grid, and in which order they lie in the file.
+//! Nodes of the tree for a brick grid, and their order in the file.
 //!
-//! Bricks are the leaves. 16³ of them make a lower node, 32³ of those an upper node. A cell that is wholly
-//! inside or wholly outside needs no node: it is one tile value in its parent.
+//! Bricks are the leaves. 16³ of them form a lower node, 32³ of those an upper node. A cell that is entirely inside or
+//! entirely outside needs no node: it is one tile value in its parent.
 
 use std::ops::Range;
 
@@ -12,18 +12,18 @@ use super::layout::{LOWER, UPPER};
 use crate::grid::{BrickGrid, INSIDE, OUTSIDE};
 use crate::index::{columns, entry_brick};
 
-/// What a cell of the tree is.
+/// Kind of a cell of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cell {
     /// A tile of the background.
     Outside,
     /// A tile of the inside value.
     Inside,
-    /// A node, with its place among the nodes of its level.
+    /// A node, with its index among the nodes of its level.
     Node(u32),
 }
 
-/// All cells of one level of the tree within a box; beyond it is the background.
+/// All cells of one level of the tree within a box; outside it is the background.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     origin: IVec3,
@@ -42,7 +42,7 @@ impl Cells {
         self.rows_between((parent << log2).max(self.origin), ((parent + 1) << log2).min(self.origin + self.dims))
     }
 
-    /// `low` to below `high`, which lie within the box.
+    /// Rows along z from `low` to below `high`, which must lie within the box.
     fn rows_between(&self, low: IVec3, high: IVec3) -> impl Iterator<Item = Row> + use<> {
         let (origin, dims) = (self.origin, self.dims);
         let length = (high.z - low.z).max(0) as usize;
@@ -55,12 +55,12 @@ impl Cells {
         })
     }
 
-    /// What the cells of a row are, each with its coordinates.
+    /// Cells of a row, each with its coordinates.
     pub(super) fn row(&self, row: Row) -> impl Iterator<Item = (IVec3, Cell)> {
         self.cells[row.entries].iter().enumerate().map(move |(z, cell)| (row.first + IVec3::new(0, 0, z as i32), *cell))
     }
 
-    /// The next level up, each of its cells 2^`log2` of these along an axis.
+    /// The next level up; each of its cells is 2^`log2` of these along an axis.
     fn coarsen(&self, log2: u32) -> Self {
         let origin = self.origin >> log2;
         let end = (self.origin + self.dims + ((1 << log2) - 1)) >> log2;
@@ -71,7 +71,7 @@ impl Cells {
         Self { origin, dims, cells }
     }
 
-    /// What a cell of the next level up is.
+    /// Kind of a cell of the next level up.
     fn summed_up(&self, parent: IVec3, log2: u32) -> Cell {
         let (mut nodes, mut inside) = (0usize, 0usize);
         for row in self.rows_within(parent, log2) {
@@ -87,7 +87,7 @@ impl Cells {
         }
     }
 
-    /// Numbers the nodes among the given rows, on from the nodes already listed.
+    /// Numbers the nodes in the given rows, continuing from the nodes already listed.
     fn number(&mut self, rows: impl Iterator<Item = Row>, nodes: &mut Vec<IVec3>) {
         for row in rows {
             for (z, cell) in self.cells[row.entries].iter_mut().enumerate() {
@@ -99,7 +99,7 @@ impl Cells {
         }
     }
 
-    /// Numbers this level's nodes parent by parent.
+    /// Numbers this level's nodes, parent by parent.
     fn number_below(&mut self, parents: &[IVec3], log2: u32) -> Nodes {
         let mut nodes = Nodes { at: Vec::new(), first: vec![0] };
         for &parent in parents {
@@ -110,7 +110,7 @@ impl Cells {
     }
 }
 
-/// Cells that follow each other along z.
+/// Consecutive cells along z.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     first: IVec3,
@@ -122,12 +122,12 @@ pub(super) struct Row {
 pub(super) struct Nodes {
     /// Coordinates, in units of the level's node.
     pub(super) at: Vec<IVec3>,
-    /// Where each parent's nodes begin in `at`; one entry more than there are parents.
+    /// Index in `at` of each parent's first node, and one past the last.
     first: Vec<usize>,
 }
 
 impl Nodes {
-    /// The places of a parent's nodes.
+    /// Index range of a parent's nodes.
     pub(super) fn of_parent(&self, parent: usize) -> Range<usize> {
         self.first[parent]..self.first[parent + 1]
     }
@@ -138,7 +138,7 @@ impl Nodes {
 pub(super) struct Topology {
     pub(super) brick_cells: Cells,
     pub(super) lower_cells: Cells,
-    /// Entries of the root: coordinates [upper nodes] and what is there.
+    /// Entries of the root: coordinates [upper nodes] and kind.
     pub(super) root: Vec<(IVec3, Cell)>,
     /// Upper nodes in file order [upper nodes].
     pub(super) uppers: Vec<IVec3>,
@@ -147,7 +147,7 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// The tree of the bricks whose slot is `kept`, with inside tiles if the field has an `inside`.
+    /// Tree of the bricks whose slot is `kept`, with inside tiles if the field has an `inside`.
     pub(super) fn new(grid: &BrickGrid, kept: impl Fn(usize) -> bool + Sync, inside: bool) -> Self {
         let cell = |slot: u32| match slot {
             OUTSIDE => Cell::Outside,

@@ -1,4 +1,4 @@
-//! A NanoVDB grid as read: leaves, tiles and the map into the world.
+//! A NanoVDB grid as read: leaves, tiles and the map to world space.
 
 use glam::{DVec3, IVec3};
 
@@ -11,14 +11,14 @@ pub struct Tile<V> {
     pub side_log2: u32,
     /// Value throughout the cube.
     pub value: V,
-    /// Whether its voxels are active.
+    /// True if its voxels are active.
     pub active: bool,
 }
 
 /// The values of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree<V> {
-    /// Value wherever there is neither leaf nor tile.
+    /// Value outside leaves and tiles.
     pub background: V,
     /// Leaves, in units of 8 voxels, in the order of the file.
     pub leaves: Vec<IVec3>,
@@ -31,7 +31,7 @@ pub struct Tree<V> {
 }
 
 impl<V> Tree<V> {
-    /// Active voxels in leaves and tiles.
+    /// Number of active voxels in leaves and tiles.
     pub fn active_voxels(&self) -> u64 {
         let in_leaves: u64 = self.active.iter().flatten().map(|word| u64::from(word.count_ones())).sum();
         let tiles = self.tiles.iter().filter(|tile| tile.active);
@@ -48,10 +48,10 @@ pub enum Values {
     Int32(Tree<i32>),
 }
 
-/// What a grid says it is.
+/// Class of a grid as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridClass {
-    /// Nothing in particular.
+    /// Unspecified.
     Unknown,
     /// A narrow band of signed distances.
     LevelSet,
@@ -61,16 +61,16 @@ pub enum GridClass {
     Other(u32),
 }
 
-/// What a grid's checksum says of its bytes.
+/// Result of comparing a grid's checksum with its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Checksum {
-    /// It agrees.
+    /// The checksum agrees.
     Matches,
-    /// It does not: the grid was changed after it was written.
+    /// The checksum differs: the grid was changed after it was written.
     Differs,
-    /// The writer left it out.
+    /// The writer omitted the checksum.
     Absent,
-    /// The writer is newer than 32.6 and computes it in another way, which is not known here.
+    /// The writer is newer than 32.6 and computes the checksum in a way that is not implemented here.
     Unknown,
 }
 
@@ -81,17 +81,17 @@ pub struct NvdbGrid {
     pub name: String,
     /// Its class.
     pub class: GridClass,
-    /// Distance between voxels [m, or whatever the writer's world is in].
+    /// Distance between voxels [m, or the unit of the writer's world].
     pub voxel: f64,
     /// Position of voxel (0, 0, 0) in the world [m].
     pub translation: DVec3,
-    /// Lowest and highest active voxel as the file states them, or `None` if nothing is active.
+    /// Lowest and highest active voxel as the file states them; `None` if nothing is active.
     pub index_bbox: Option<(IVec3, IVec3)>,
     /// Box of the active voxels as the file states it [m].
     pub world_bbox: Option<(DVec3, DVec3)>,
-    /// Active voxels, counted.
+    /// Number of active voxels, counted.
     pub active_voxels: u64,
-    /// Whether the bytes are those that were written.
+    /// Result of the checksum.
     pub checksum: Checksum,
     /// The values.
     pub values: Values,
@@ -105,7 +105,7 @@ pub struct NvdbFile {
 }
 
 impl NvdbFile {
-    /// The first grid of a name.
+    /// Returns the first grid of a name.
     pub fn grid(&self, name: &str) -> Option<&NvdbGrid> {
         self.grids.iter().find(|grid| grid.name == name)
     }

@@ -1,4 +1,4 @@
-//! Several grids into the bytes of one file.
+//! Writes several grids to the bytes of one file.
 
 use std::io::Write as _;
 
@@ -11,12 +11,12 @@ use super::layout::{FileHeader, FileMeta, MAGIC, NAME_BYTES, Version};
 use super::{Codec, GridRef, WriteError};
 use crate::grid::{BRICK_VOXELS, BrickGrid};
 
-/// The bytes of a `.nvdb` file that holds the given grids, in their order.
+/// Returns the bytes of a `.nvdb` file with the given grids, in order.
 ///
-/// The bytes depend on nothing but the arguments, whatever the number of threads.
+/// The bytes depend on the arguments only, not on the number of threads.
 ///
 /// # Errors
-/// No grid, a name that NanoVDB cannot hold, or a grid whose arrays do not fit each other.
+/// No grid, a name that NanoVDB cannot store, or a grid whose arrays are inconsistent.
 pub fn write(grids: &[GridRef], codec: Codec) -> Result<Vec<u8>, WriteError> {
     if grids.is_empty() || grids.len() > usize::from(u16::MAX) {
         return Err(WriteError::GridCount(grids.len()));
@@ -41,7 +41,7 @@ pub fn write(grids: &[GridRef], codec: Codec) -> Result<Vec<u8>, WriteError> {
     Ok(file)
 }
 
-/// Room for the tables, then the grids as they lie in memory.
+/// Space for the tables, then the grids as stored in memory.
 fn raw_payloads(grids: &[GridRef], plans: &[AnyPlan], tables: usize) -> (Vec<u8>, Vec<FileMeta>) {
     let mut file = vec![0; tables + plans.iter().map(AnyPlan::bytes).sum::<usize>()];
     let mut rest = &mut file[tables..];
@@ -55,7 +55,7 @@ fn raw_payloads(grids: &[GridRef], plans: &[AnyPlan], tables: usize) -> (Vec<u8>
     (file, metas)
 }
 
-/// Room for the tables, then each grid as a length and a zlib stream.
+/// Space for the tables, then each grid as a length and a zlib stream.
 fn zipped_payloads(grids: &[GridRef], plans: &[AnyPlan], tables: usize) -> (Vec<u8>, Vec<FileMeta>) {
     let mut file = vec![0; tables];
     let mut metas = Vec::with_capacity(grids.len());
@@ -70,7 +70,8 @@ fn zipped_payloads(grids: &[GridRef], plans: &[AnyPlan], tables: usize) -> (Vec<
     (file, metas)
 }
 
-/// Distances hardly repeat: the usual level takes seven times as long and saves another tenth.
+/// Compresses at the fast level: distances hardly repeat, and the usual level takes seven times as long for another
+/// tenth.
 fn zlib(raw: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
     encoder.write_all(raw).and_then(|()| encoder.finish()).expect("writing to memory does not fail")
@@ -97,7 +98,7 @@ fn meta(name: &str, written: &Written, file_size: usize) -> FileMeta {
     }
 }
 
-/// NanoVDB's hash of a name, by which its readers look grids up.
+/// NanoVDB's hash of a name, which readers use to find grids.
 fn name_key(name: &str) -> u64 {
     name.bytes().fold(0u64, |hash, byte| hash.wrapping_mul(67).wrapping_add(u64::from(byte)).wrapping_add(hash >> 56))
 }
@@ -134,7 +135,7 @@ impl<'a> AnyPlan<'a> {
     }
 }
 
-/// What the writer relies on, so that no input makes it panic.
+/// Checks the writer's assumptions, so that no input makes it panic.
 fn check(what: &GridRef) -> Result<(), WriteError> {
     let name = what.name();
     if name.is_empty() || name.len() >= NAME_BYTES || name.contains('\0') {

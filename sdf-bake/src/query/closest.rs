@@ -1,4 +1,4 @@
-//! The nearest point of the mesh: depth-first descent, nearer child first.
+//! Closest point of the mesh: depth-first traversal, nearer child first.
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
@@ -10,18 +10,18 @@ use super::{MeshQuery, closest_on_triangle};
 pub struct Closest {
     /// The nearest point of the surface [m].
     pub point: DVec3,
-    /// Distance to it [m], without sign; infinite when there is nothing to be near to.
+    /// Unsigned distance to it [m]; infinite if the mesh has no triangles.
     pub distance: f64,
-    /// Index of the triangle that holds it; the lowest one where several do.
+    /// Index of the triangle that contains it; the lowest one if there are several.
     pub triangle: u32,
-    /// Weights of the triangle's corners that give `point`; they sum to 1.
+    /// Barycentric coordinates of `point`; they sum to 1.
     pub barycentric: [f64; 3],
 }
 
 impl MeshQuery {
-    /// The point of the surface nearest to `point` [m].
+    /// Returns the point of the surface nearest to `point` [m].
     ///
-    /// Without triangles, or for a point that is not finite, the distance is infinite and the triangle `u32::MAX`.
+    /// If there are no triangles, or the point is not finite, the distance is infinite and the triangle `u32::MAX`.
     pub fn closest(&self, point: DVec3) -> Closest {
         self.closest_within(point, f64::INFINITY).unwrap_or(Closest {
             point,
@@ -31,7 +31,7 @@ impl MeshQuery {
         })
     }
 
-    /// The point of the surface nearest to `point` [m], if it is not farther than `reach` [m].
+    /// Returns the point of the surface nearest to `point` [m], if it is within `reach` [m].
     pub fn closest_within(&self, point: DVec3, reach: f64) -> Option<Closest> {
         let local = point - self.centre;
         if self.corners.is_empty() || !local.is_finite() || reach.is_nan() {
@@ -86,7 +86,7 @@ struct Best {
     weights: [f64; 3],
 }
 
-/// Squared distance [m²] from a point to a box, never more than to what the box holds.
+/// Squared distance [m²] from a point to a box; never more than to the contents of the box.
 fn squared_distance_to_box(bounds: &Aabb, point: DVec3) -> f64 {
     let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let squared = (low - point).max(point - high).max(DVec3::ZERO).length_squared();

@@ -1,8 +1,8 @@
-//! Closest point and rays on a triangle mesh, in f64.
+//! Closest-point and ray queries on a triangle mesh, in f64.
 //!
-//! A bounding volume hierarchy (obvhs, PLOC after Meister & Bittner 2018) is built on f32 boxes of the centred
-//! mesh. The boxes are rounded outwards, so they hold the f64 triangles; everything decided on triangles is f64.
-//! Answers do not depend on the tree: among equally near triangles the lowest index wins.
+//! A bounding volume hierarchy (obvhs, PLOC after Meister & Bittner 2018) is built on f32 boxes of the centred mesh.
+//! The boxes are rounded outwards, so they contain the f64 triangles; all decisions on triangles are made in f64.
+//! Results do not depend on the tree: among equally near triangles the lowest index wins.
 
 mod closest;
 mod ray;
@@ -35,7 +35,7 @@ pub use triangle::closest_on_triangle;
 /// assert!(query.occluded(DVec3::new(0.25, 0.25, 2.0), -DVec3::Z, 3.0));
 /// ```
 ///
-/// Triangles with a corner that is not finite are left out.
+/// Triangles with a corner that is not finite are ignored.
 pub struct MeshQuery {
     centre: DVec3,
     bvh: Bvh2,
@@ -70,7 +70,7 @@ impl MeshQuery {
     }
 }
 
-/// The smallest f32 box that surely holds an f64 triangle.
+/// Smallest f32 box that certainly contains an f64 triangle.
 fn outer_box(corners: [DVec3; 3]) -> Aabb {
     let [a, b, c] = corners;
     let (low, high) = (a.min(b).min(c).as_vec3(), a.max(b).max(c).as_vec3());

@@ -1,24 +1,24 @@
-//! First hit and any hit of a ray, watertight across shared edges.
+//! First hit and occlusion test of a ray, watertight across shared edges.
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
 
 use super::MeshQuery;
 
-/// Where a ray first meets the mesh.
+/// First hit of a ray with the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance from the ray's origin [m].
     pub distance: f64,
-    /// Index of the triangle; the lowest one where several are met at once.
+    /// Index of the triangle; the lowest one if several are hit at the same distance.
     pub triangle: u32,
 }
 
 impl MeshQuery {
-    /// The first triangle, of either side, met within `reach` [m] along `direction` (of any length).
+    /// Returns the first triangle, of either side, hit within `reach` [m] along `direction` (of any length).
     ///
-    /// A ray through a shared edge or vertex meets a triangle there: nothing slips between. A triangle that
-    /// holds the ray in its plane is not met; its neighbours are.
+    /// A ray through a shared edge or vertex hits a triangle there: nothing slips between. A triangle whose plane
+    /// contains the ray is not hit; its neighbours are.
     pub fn ray(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
         let ray = Ray::new(origin - self.centre, direction)?;
         let mut best = Hit { distance: reach, triangle: u32::MAX };
@@ -33,9 +33,9 @@ impl MeshQuery {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// Whether anything is met within `reach` [m] along `direction`, the origin included.
+    /// True if anything is hit within `reach` [m] along `direction`, including at the origin.
     ///
-    /// From a point of the surface, start a little above it.
+    /// To test from a point of the surface, start slightly above it.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, reach: f64) -> bool {
         let Some(ray) = Ray::new(origin - self.centre, direction) else {
             return false;
@@ -48,8 +48,8 @@ impl MeshQuery {
         met
     }
 
-    /// Visits nodes front to back. `visit` gets a node's entry distance [m], or a leaf triangle; it answers whether to
-    /// go into that node.
+    /// Visits nodes front to back. `visit` gets a node's entry distance [m], or a leaf triangle, and returns true if
+    /// the node must be entered.
     fn walk(&self, ray: &Ray, mut visit: impl FnMut(f64, Option<usize>) -> bool) {
         if self.corners.is_empty() {
             return;
@@ -82,7 +82,7 @@ struct Ray {
 }
 
 impl Ray {
-    /// `None` unless the origin is finite and the direction has a length.
+    /// `None` unless the origin is finite and the direction has nonzero length.
     fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
         let direction = direction.try_normalize().filter(|_| origin.is_finite())?;
         // A huge number in place of infinity keeps 0 · ∞ out of the slab test.
@@ -91,20 +91,20 @@ impl Ray {
         Some(Self { origin, direction, inverse })
     }
 
-    /// Distance [m] at which the ray enters a box; infinite when it misses.
+    /// Distance [m] at which the ray enters a box; infinite for a miss.
     fn enter(&self, bounds: &Aabb) -> f64 {
         let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (one, other) = ((low - self.origin) * self.inverse, (high - self.origin) * self.inverse);
         let entry = one.min(other).max_element().max(0.0);
         let exit = one.max(other).min_element();
-        // Rounding of three operations on each side (Ize 2013).
+        // Bound on the rounding of three operations on each side (Ize 2013).
         if entry * (1.0 - 1e-14) <= exit * (1.0 + 1e-14) { entry * (1.0 - 1e-14) } else { f64::INFINITY }
     }
 
-    /// Distance [m] to a triangle; infinite when it is not met.
+    /// Distance [m] to a triangle; infinite for a miss.
     ///
-    /// The three volumes spanned by the ray and an edge have one sign inside. Two triangles compute the same number,
-    /// but for its sign, on the edge they share, so no ray passes between them (after Woop, Benthin & Wald 2013).
+    /// The three volumes spanned by the ray and an edge have equal signs inside. On a shared edge, two triangles
+    /// compute the same number except for its sign, so no ray passes between them (after Woop, Benthin & Wald 2013).
     fn meet(&self, corners: [DVec3; 3]) -> f64 {
         let [a, b, c] = corners.map(|corner| corner - self.origin);
         let [u, v, w] = [c.cross(b), a.cross(c), b.cross(a)].map(|moment| moment.dot(self.direction));

@@ -3,7 +3,7 @@ use glam::DVec3;
 use super::{MeshQuery, closest_on_triangle};
 use crate::Mesh;
 
-/// Numbers in [0, 1) from a fixed recurrence (splitmix64), so failures repeat.
+/// Numbers in [0, 1) from a fixed recurrence (splitmix64), so that failures are reproducible.
 struct Numbers(u64);
 
 impl Numbers {
@@ -132,7 +132,8 @@ fn the_first_hit_is_the_one_an_exhaustive_search_finds() {
     }
 }
 
-/// Ray against triangle by its plane and the signs of the foot's weights: another way than the library's.
+/// Intersection of ray and triangle by its plane and the signs of the foot's barycentric coordinates: a different
+/// method from the library's.
 fn plane_hit([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
     let normal = (b - a).cross(c - a);
     let distance = (a - origin).dot(normal) / direction.dot(normal);

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-/// Barycentric weights of the point of a triangle nearest to `point`, and its squared distance [m²].
+/// Barycentric coordinates of the point of a triangle nearest to `point`, and its squared distance [m²].
 ///
-/// The plane's foot is taken where its weights are all positive; otherwise the best of the three edges. On
-/// slivers the weights of the foot are ill-conditioned, so a candidate's distance is always measured to the point
-/// the clamped weights really give: the result may only be too far by rounding, never nearer than the triangle.
+/// The foot on the plane is used if its coordinates are all positive; otherwise the best of the three edges. On slivers
+/// the foot's coordinates are ill-conditioned, so a candidate's distance is always measured to the point that the
+/// clamped coordinates give: the result may be too far by rounding, but never nearer than the triangle.
 pub fn closest_on_triangle([a, b, c]: [DVec3; 3], point: DVec3) -> ([f64; 3], f64) {
     let normal = (b - a).cross(c - a);
     let squared = normal.length_squared();
@@ -29,10 +29,10 @@ pub fn closest_on_triangle([a, b, c]: [DVec3; 3], point: DVec3) -> ([f64; 3], f6
     best
 }
 
-/// Weights above this are surely inside, whatever the rounding of an ordinary triangle.
+/// Coordinates above this are certainly inside, within the rounding of an ordinary triangle.
 const FACE_MARGIN: f64 = 1e-9;
 
-/// Share of the way from `a` to `b` of the point of the segment nearest to `point`; 0 for a segment of no length.
+/// Position along the segment from `a` to `b`, 0 to 1, of the point nearest to `point`; 0 for a segment of zero length.
 fn on_segment(a: DVec3, b: DVec3, point: DVec3) -> f64 {
     let along = b - a;
     let share = (point - a).dot(along) / along.length_squared();

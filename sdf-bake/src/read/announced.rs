@@ -1,16 +1,17 @@
-//! The length that the head of a mesh file announces, compared with the file's before the rest is read.
+//! Compares the length that the header of a mesh file announces with the file's before the rest is read.
 
 use super::{Format, ReadError, gltf, obj, ply, stl};
 
-/// First bytes of a file that are looked at: the longest headers are those of PLY files with many comments.
+/// Number of first bytes that are examined: the longest headers are those of PLY files with many comments.
 pub(super) const HEAD: usize = 1 << 16;
-/// Bytes beyond what is announced that are read in any case, and then left out; more may be as many as are announced.
+/// Accepted number of bytes beyond the announced length, which are ignored; at least as many as announced are also
+/// accepted.
 const PADDING: u64 = 1 << 16;
 
-/// Refuses a file that is shorter than its head announces, or more than twice as long.
+/// Rejects a file that is shorter than its header announces, or more than twice as long.
 pub(super) fn check(head: &[u8], length: u64, name: &str) -> Result<(), ReadError> {
     if head.trim_ascii().is_empty() {
-        // Said better once it is read.
+        // The parser reports this case more precisely.
         return Ok(());
     }
     let is_stl = || name.to_lowercase().ends_with(".stl") && !stl::looks_ascii(head) && !obj::looks_like(head);

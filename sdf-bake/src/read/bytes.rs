@@ -1,4 +1,4 @@
-//! All bytes that decide what is read from a mesh file.
+//! All bytes that determine a mesh.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,13 +6,13 @@ use std::path::Path;
 use super::{Format, MeshFile, ReadError, Unit, UnitChoice, announced, detect_format, gltf, parse, unit};
 use files::input::{self, MOST_MESH_BYTES};
 
-/// Files that a `.gltf` names as its buffers, by the name it gives them.
+/// Files that a `.gltf` names as its buffers, by the name used there.
 pub(super) type Beside = BTreeMap<String, Vec<u8>>;
 
-/// A mesh file in memory, not parsed yet, with the buffers that lie beside a `.gltf`.
+/// An unparsed mesh file in memory, with the buffers beside a `.gltf`.
 ///
-/// Parsing looks at nothing else, so these bytes, [`MeshBytes::format`] and, for [`UnitChoice::Auto`],
-/// [`MeshBytes::unit_in_name`] tell whether two files give the same mesh. Materials and pictures are never opened.
+/// Parsing uses nothing else. So two files give the same mesh if these bytes, [`MeshBytes::format`] and, for
+/// [`UnitChoice::Auto`], [`MeshBytes::unit_in_name`] are equal. Materials and textures are never opened.
 #[derive(Clone, Debug)]
 pub struct MeshBytes {
     name: String,
@@ -22,10 +22,10 @@ pub struct MeshBytes {
 }
 
 impl MeshBytes {
-    /// Reads a mesh file and the buffers it names.
+    /// Reads a mesh file and the buffers that it names.
     ///
     /// # Errors
-    /// A file that cannot be read, content of no known format, a glTF that names a buffer elsewhere.
+    /// A file that cannot be read, content of no known format, or a glTF that names a buffer in another folder.
     pub fn load(path: &Path) -> Result<Self, ReadError> {
         let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
         let bytes = input::read_checked(path, (MOST_MESH_BYTES, announced::HEAD), |head, length| {
@@ -42,32 +42,32 @@ impl MeshBytes {
     /// Parses the mesh.
     ///
     /// # Errors
-    /// What the format's reader refuses.
+    /// Any fault that the format's reader finds.
     pub fn parse(&self, unit: UnitChoice) -> Result<MeshFile, ReadError> {
         parse(&self.bytes, self.format, unit, &super::Surroundings { name: &self.name, beside: &self.beside })
     }
 
-    /// File name without its folder.
+    /// File name without folder.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The format, from the content or else from the extension.
+    /// Format, from the content or otherwise from the extension.
     pub fn format(&self) -> Format {
         self.format
     }
 
-    /// The file itself.
+    /// Bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The buffers beside a `.gltf`, ordered by the names it gives them.
+    /// Buffers beside a `.gltf`, ordered by the names used there.
     pub fn buffers(&self) -> impl Iterator<Item = &[u8]> {
         self.beside.values().map(Vec::as_slice)
     }
 
-    /// The unit that the file name states, which [`UnitChoice::Auto`] follows.
+    /// Unit stated in the file name, which [`UnitChoice::Auto`] follows.
     pub fn unit_in_name(&self) -> Option<Unit> {
         unit::stated(&self.name)
     }

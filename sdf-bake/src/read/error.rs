@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh file.
+//! Errors of reading a mesh file.
 
 use std::path::PathBuf;
 
@@ -7,27 +7,27 @@ use glam::DVec3;
 use super::Format;
 use files::input::InputError;
 
-/// Why a mesh file could not be read.
+/// Reason why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file could not be opened or read.
     #[error("cannot read {path}: {source}")]
     Io {
-        /// The file that was asked for.
+        /// Requested file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// No regular file, or one that is too large.
+    /// Not a regular file, or one that is too large.
     #[error(transparent)]
     Input(InputError),
-    /// Nothing in the file.
+    /// An empty file.
     #[error("{name} is empty; an OBJ, STL, PLY, GLB or glTF mesh is accepted")]
     Empty {
         /// File name.
         name: String,
     },
-    /// Neither content nor extension tells the format.
+    /// Neither content nor extension identifies the format.
     #[error(
         "{name} is not recognised: its content is no OBJ, STL, PLY, GLB or glTF, and its extension is none of theirs"
     )]
@@ -35,28 +35,28 @@ pub enum ReadError {
         /// File name.
         name: String,
     },
-    /// The file breaks its format's rules.
+    /// The file violates its format.
     #[error("{format} file: {reason}")]
     Malformed {
         /// Format the file was read as.
         format: Format,
-        /// What was found and what would be accepted.
+        /// Fault found, and what is accepted.
         reason: String,
     },
-    /// The file ends before what it announces.
+    /// The file ends before its announced length.
     #[error("{format} file is cut off: it announces {announced}, {found}")]
     Truncated {
         /// Format the file was read as.
         format: Format,
-        /// What the file says it holds.
+        /// Announced contents.
         announced: String,
-        /// What it really holds.
+        /// Actual contents.
         found: String,
     },
     /// A coordinate is infinite or not a number.
     #[error("{place} is ({}, {}, {}): coordinates must be finite numbers", position.x, position.y, position.z)]
     NonFinite {
-        /// The vertex, counted from 0, or the line, counted from 1.
+        /// Vertex, counted from 0, or line, counted from 1.
         place: String,
         /// The position as read.
         position: DVec3,
@@ -70,7 +70,7 @@ pub enum ReadError {
         format: Format,
         /// Number of vertices found.
         vertices: usize,
-        /// Parts of the file that were left out, in brackets; empty if none.
+        /// Ignored parts of the file, in brackets; empty if none.
         left_out: String,
     },
 }

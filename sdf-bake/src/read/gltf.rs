@@ -1,6 +1,6 @@
-//! glTF 2.0, parsed by the `gltf` crate, with reads of our own that stay inside the buffers.
+//! Reads glTF 2.0, parsed by the `gltf` crate, with bounds-checked access to the buffers.
 //!
-//! All triangle primitives of the default scene are put together under their nodes' transforms.
+//! All triangle primitives of the default scene are combined under their nodes' transforms.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -17,9 +17,10 @@ use files::input::without_content;
 mod accessor;
 mod buffers;
 
-/// Deeper scenes than this are taken for a loop.
+/// Greatest depth of a scene; a deeper one is treated as a cycle.
 const MAX_DEPTH: usize = 256;
-/// Instances can multiply a small file: a scene may have so many triangles, and one more for each byte.
+/// Number of triangles of a scene accepted in any case, plus one per byte of the file, because instances can multiply a
+/// small file.
 const FREE_TRIANGLES: usize = 4_000_000;
 
 pub(super) fn read(bytes: &[u8], beside: &Beside) -> Result<Surface, ReadError> {
@@ -34,7 +35,7 @@ pub(super) fn read(bytes: &[u8], beside: &Beside) -> Result<Surface, ReadError> 
     Ok(scene.surface)
 }
 
-/// The files beside a glTF that it names as its buffers.
+/// Loads the files beside a glTF that it names as its buffers.
 pub(super) fn load_beside(bytes: &[u8], folder: &Path) -> Result<Beside, ReadError> {
     buffers::load_beside(&open(bytes)?.document, folder)
 }
@@ -54,7 +55,7 @@ pub(super) fn malformed(reason: impl Into<String>) -> ReadError {
     ReadError::malformed(Format::Gltf, reason)
 }
 
-/// Length that the header of a `.glb` announces [bytes]; it must fit the file, else the `gltf` crate subtracts below zero.
+/// Length that the header of a `.glb` announces [bytes]; it must fit the file, otherwise the `gltf` crate underflows.
 pub(super) fn announced_length(head: &[u8], file: u64) -> Result<u64, ReadError> {
     let header = head.get(8..12).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     match header {
@@ -70,7 +71,7 @@ pub(super) fn announced_length(head: &[u8], file: u64) -> Result<u64, ReadError>
     }
 }
 
-/// The crate's validation looks at POSITION's bounds before it checks that the accessor is there.
+/// Checks that POSITION accessors exist, because the crate's validation reads their bounds before it checks that.
 fn check_position_accessors(root: &gltf_crate::json::Root) -> Result<(), ReadError> {
     let accessors = root.accessors.len();
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);

@@ -1,10 +1,11 @@
-//! From the bytes of a mesh file to a [`Mesh`] in metres, z up.
+//! Converts the bytes of a mesh file to a [`Mesh`] in metres, z up.
 //!
-//! OBJ, STL (ASCII and binary), PLY (ASCII and binary) and glTF (`.glb`, `.gltf`) are read. The format is found from the content
-//! first and from the extension second. Polygons become triangles without overlap, also when they are concave.
-//! Only glTF fixes which way is up; the other formats are taken to be z up. No bytes make a reader panic, or allocate more than a small multiple of the file's size.
+//! Formats: OBJ, STL (ASCII and binary), PLY (ASCII and binary) and glTF (`.glb`, `.gltf`). The format is detected from
+//! the content first and from the extension second. Polygons become triangles without overlap, including concave
+//! polygons. Only glTF defines the up axis; the other formats are assumed to be z up. No input makes a reader panic, or
+//! allocate more than a small multiple of the file's size.
 //!
-//! Reading repairs nothing: what comes out goes to [`crate::clean`], which reports each change.
+//! Reading repairs nothing: the result is passed to [`crate::clean`], which reports each change.
 
 use std::fmt;
 use std::path::Path;
@@ -54,22 +55,22 @@ impl fmt::Display for Format {
     }
 }
 
-/// A mesh as read, with what was assumed on the way.
+/// A mesh as read, with the assumptions made.
 #[derive(Clone, Debug)]
 pub struct MeshFile {
-    /// The surface in metres, z up; vertices and faces as the file has them.
+    /// The surface in metres, z up; vertices and faces as in the file.
     pub mesh: Mesh,
     /// Format the bytes were read as.
     pub format: Format,
     /// Length of one file unit.
     pub unit: Unit,
-    /// A sentence: which unit, why, and how to override it.
+    /// Sentence on the unit, its reason, and how to override it.
     pub unit_reason: String,
-    /// Whether the unit is a guess from the size.
+    /// True if the unit is guessed from the size.
     pub unit_assumed: bool,
-    /// True if the unit is a guess from a size near the limit between two units.
+    /// True if the unit is guessed from a size near the limit between two units.
     pub unit_doubtful: bool,
-    /// Sentences on what was left out or read leniently.
+    /// Sentences on parts that were ignored or read leniently.
     pub notes: Vec<String>,
 }
 
@@ -77,26 +78,26 @@ pub struct MeshFile {
 #[derive(Default)]
 struct Surface {
     mesh: Mesh,
-    /// Header or comments, where a unit may be named.
+    /// Header or comments, which may name a unit.
     header: String,
     notes: Vec<String>,
     /// Quads that are not flat.
     bent_quads: usize,
 }
 
-/// Reads a mesh file; buffers of a `.gltf` are looked for beside it.
+/// Reads a mesh file; buffers of a `.gltf` are read from the same folder.
 pub fn read_mesh(path: &Path, unit: UnitChoice) -> Result<MeshFile, ReadError> {
     MeshBytes::load(path)?.parse(unit)
 }
 
 /// Reads a mesh from memory.
 ///
-/// `name` is the file name: it may name the unit. External buffers of a `.gltf` are refused.
+/// `name` is the file name, which may state the unit. External buffers of a `.gltf` are rejected.
 pub fn parse_mesh(bytes: &[u8], format: Format, unit: UnitChoice, name: &str) -> Result<MeshFile, ReadError> {
     parse(bytes, format, unit, &Surroundings { name, beside: &Beside::new() })
 }
 
-/// What decides on a mesh besides its file's content.
+/// Inputs to a mesh besides its file's content.
 struct Surroundings<'a> {
     /// File name.
     name: &'a str,
@@ -142,7 +143,7 @@ fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings
     })
 }
 
-/// glTF's y is up and its z points at the viewer; ours is z up.
+/// Converts glTF's axes (y up, z towards the viewer) to z up.
 fn y_up_to_z_up(p: DVec3) -> DVec3 {
     DVec3::new(p.x, -p.z, p.y)
 }
@@ -151,7 +152,7 @@ fn check_finite(mesh: &Mesh) -> Result<(), ReadError> {
     mesh.positions.iter().enumerate().try_for_each(|(vertex, &position)| check_position(vertex, position))
 }
 
-/// Squares of coordinates must be finite too, or lengths are not.
+/// Checks a position; squares of coordinates must also be finite, because lengths use them.
 fn check_position(vertex: usize, position: DVec3) -> Result<(), ReadError> {
     if position.length_squared().is_finite() {
         return Ok(());
@@ -159,7 +160,7 @@ fn check_position(vertex: usize, position: DVec3) -> Result<(), ReadError> {
     Err(ReadError::NonFinite { place: format!("vertex {vertex}"), position })
 }
 
-/// Finds the format: by content where that is certain, otherwise by extension.
+/// Detects the format: by content if that is unambiguous, otherwise by extension.
 fn detect_format(bytes: &[u8], name: &str) -> Result<Format, ReadError> {
     let text = bytes.trim_ascii_start();
     if text.is_empty() {

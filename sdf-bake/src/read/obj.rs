@@ -1,7 +1,7 @@
 //! Wavefront OBJ, parsed by `tobj`.
 //!
-//! `tobj` gets positions and faces only: texture and normal indices, which it can overflow on, materials and colours do
-//! not matter here, and its own options would split vertices at every crease. Line numbers stay those of the file.
+//! `tobj` gets positions and faces only. Texture and normal indices, which can overflow in it, materials and colours
+//! are not needed, and its own options would split vertices at every crease. Line numbers stay those of the file.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use glam::DVec3;
 use super::{Format, ReadError, Surface, polygon};
 use files::input::quoted_line;
 
-/// Comment lines that are searched for a unit.
+/// Number of comment lines that are searched for a unit.
 const HEADER_LINES: usize = 50;
 
-/// Whether one of the first statements is a vertex.
+/// True if one of the first statements is a vertex.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     bytes.split(|&byte| byte == b'\n').take(200).any(|line| {
         line.starts_with(b"v ") && line.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())
@@ -50,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Surface, ReadError> {
     Ok(surface)
 }
 
-/// The statements that matter, one line each, with blank lines for the others.
+/// The relevant statements, one line each, with blank lines for the others.
 #[derive(Default)]
 struct Statements {
     text: String,
@@ -127,7 +127,7 @@ fn append(surface: &mut Surface, model: &tobj::Mesh) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The first line whose coordinates are not all finite.
+/// Returns the first line whose coordinates are not all finite.
 fn non_finite_line(text: &str) -> Option<(String, DVec3)> {
     text.lines().enumerate().find_map(|(number, line)| {
         let mut words = line.strip_prefix("v ")?.split_whitespace();
@@ -141,7 +141,7 @@ fn vertices(text: &str) -> usize {
     text.lines().filter(|line| line.starts_with("v ")).count()
 }
 
-/// The first face that names a vertex which the file does not have, and what it may name.
+/// Describes the first face that refers to a missing vertex, with the accepted indices.
 fn face_out_of_bounds(text: &str) -> Option<String> {
     let all = vertices(text);
     let mut before = 0;
@@ -177,7 +177,7 @@ fn explain(error: tobj::LoadError, text: &str, consumed: usize) -> ReadError {
             format!("line {line}: {statement} is no face; `f i j k ...` with vertex numbers is accepted")
         }
         ScalingByZeroError => format!("line {line}: {statement} has weight 0"),
-        // Found when all lines are read; the text says on which it is.
+        // The error is found after all lines are read; the line number comes from the text.
         FaceVertexOutOfBounds => face_out_of_bounds(text).unwrap_or_else(|| error.to_string()),
         other => other.to_string(),
     };

@@ -1,7 +1,7 @@
 //! Polygon file format: a text header that lists elements and their properties, then their rows (Turk 1994).
 //!
-//! Of all elements only `vertex` (x, y, z) and `face` (a list of vertex indices) are kept; the others are stepped over.
-//! The counts of the header are held against the bytes that follow before anything is allocated.
+//! Of all elements only `vertex` (x, y, z) and `face` (a list of vertex indices) are kept; the others are skipped. The
+//! header's counts are compared with the bytes that follow before anything is allocated.
 
 use glam::DVec3;
 
@@ -13,13 +13,13 @@ mod header;
 use body::Body;
 use header::{Element, Header, Kind};
 
-/// True if the bytes begin as a PLY file does.
+/// True if the bytes start like a PLY file.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")
 }
 
-/// Refuses a file that is too short for the rows that its header counts; a header that is not whole in `head` is left to
-/// [`read`].
+/// Rejects a file that is too short for the rows counted in its header. A header that is incomplete in `head` is left
+/// to [`read`].
 pub(super) fn check_length(head: &[u8], length: u64) -> Result<(), ReadError> {
     let Ok((header, rest)) = Header::parse(head) else { return Ok(()) };
     let room = length - (head.len() - rest.len()) as u64;
@@ -65,7 +65,7 @@ fn read_vertices(element: &Element, body: &mut Body, surface: &mut Surface) -> R
     Ok(())
 }
 
-/// Vertex indices of all faces, kept until the vertices are known.
+/// Vertex indices of all faces, stored until the vertices are known.
 #[derive(Default)]
 struct Faces {
     indices: Vec<f64>,

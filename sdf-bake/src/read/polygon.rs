@@ -1,8 +1,9 @@
-//! Polygons to triangles: a flat or concave one by constrained Delaunay triangulation, a bent quad around its middle.
+//! Triangulates polygons: flat or concave ones by constrained Delaunay triangulation, a nonplanar quad around its
+//! centre.
 //!
-//! A fan is wrong for a concave face: it folds over itself. A diagonal is wrong for a bent quad: the two that there are
-//! leave the bilinear patch by half their gap on opposite sides, and nothing in the file says which is meant. Whatever
-//! corner a face starts at, and whichever way it turns, its triangles are the same.
+//! A fan is wrong for a concave face, because it folds over itself. A diagonal is wrong for a nonplanar quad: the two
+//! diagonals deviate from the bilinear patch by half their gap on opposite sides, and the file does not say which is
+//! meant. The triangles of a face do not depend on its first corner or its direction.
 
 use std::cmp::Ordering;
 
@@ -11,11 +12,11 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::{Format, ReadError, Surface};
 
-/// More corners than a face of any sensible file has; the cost of a crooked one grows with their square.
+/// Greatest number of corners of a face; the cost of a crooked face grows with the square of its corners.
 const MAX_CORNERS: usize = 10_000;
 
-/// Gap between the diagonals of a quad, as a share of its largest coordinate, up to which it is flat: text files write
-/// six digits or more.
+/// Gap between the diagonals of a quad, as a share of its largest coordinate, up to which it counts as flat: text files
+/// contain six digits or more.
 const FLAT: f64 = 1e-6;
 
 type Triangulated = ConstrainedDelaunayTriangulation<Point2<f64>>;
@@ -50,8 +51,8 @@ pub(super) fn append_face(
     Ok(())
 }
 
-/// Lets a face start at its first corner in the order of x, y and z, and go on to the first of its neighbours; whether it
-/// now goes the other way around.
+/// Rotates a face to start at its first corner in the order of x, y and z, followed by the first of its neighbours.
+/// Returns true if this reverses its direction.
 fn turn_to_first(face: &mut [u32], positions: &[DVec3]) -> bool {
     let order = |a: u32, b: u32| {
         let [a, b] = [a, b].map(|vertex| positions[vertex as usize]);
@@ -66,8 +67,8 @@ fn turn_to_first(face: &mut [u32], positions: &[DVec3]) -> bool {
     goes_back
 }
 
-/// Middle of the bilinear patch of four corners that do not lie in a plane; `None` where they do, or where not every
-/// corner stands out, seen along the normal.
+/// Centre of the bilinear patch of four corners that are not in a plane. `None` if they are, or if the quad seen along
+/// its normal is not strictly convex.
 fn middle_of_bent_quad(corners: &[DVec3]) -> Option<DVec3> {
     let &[a, b, c, d] = corners else { return None };
     let normal = (c - a).cross(d - b).try_normalize()?;
@@ -77,14 +78,14 @@ fn middle_of_bent_quad(corners: &[DVec3]) -> Option<DVec3> {
         let [last, here, next] = [i + 3, i, i + 1].map(|i| corners[i % 4]);
         (here - last).cross(next - here).dot(normal) > 0.0
     };
-    // Opposite corners first, so that the sum is the same either way around.
+    // Opposite corners are added first, so that the sum is the same in either direction.
     (gap > FLAT * largest && (0..4).all(stands_out)).then(|| 0.25 * ((a + c) + (b + d)))
 }
 
 /// Splits a polygon into triangles of the same orientation.
 ///
-/// `corners`: positions in order. Returns indices into them; empty for fewer than three corners.
-/// A polygon that crosses or touches itself, or is flat to a line, becomes a fan.
+/// `corners`: positions in order. Returns indices into them; empty for fewer than three corners. A polygon that crosses
+/// or touches itself, or is degenerate to a line, becomes a fan.
 fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     match corners.len() {
         0..3 => Vec::new(),
@@ -93,14 +94,14 @@ fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     }
 }
 
-/// Constrained Delaunay triangulation of the polygon in its own plane, where the polygon is simple.
+/// Constrained Delaunay triangulation of a simple polygon in its own plane; `None` if the polygon is not simple.
 fn delaunay(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let points = flatten(corners)?;
     let mut mesh = Triangulated::new();
     let mut handles = Vec::with_capacity(points.len());
     for (corner, p) in points.iter().enumerate() {
         let handle = mesh.insert(Point2::new(p.x, p.y)).ok()?;
-        // Two corners at one place share a vertex: not a simple polygon.
+        // Two corners at equal positions share a vertex: the polygon is not simple.
         if handle.index() != corner {
             return None;
         }
@@ -122,14 +123,14 @@ fn delaunay(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     (triangles.len() == corners.len() - 2).then_some(triangles)
 }
 
-/// Corners in the polygon's plane, scaled to about one; `None` where they have no extent.
+/// Corners in the polygon's plane, scaled to about one; `None` if they have no extent.
 fn flatten(corners: &[DVec3]) -> Option<Vec<DVec2>> {
     let size = corners.iter().map(|p| (p - corners[0]).abs().max_element()).fold(0.0, f64::max);
     if size.is_nan() || size <= 0.0 {
         return None;
     }
     let (u, v) = newell_normal(corners).any_orthonormal_pair();
-    // Below this, spade takes no coordinate but zero.
+    // Below this, spade accepts no coordinate except zero.
     let tidy = |x: f64| if x.abs() < 1e-15 { 0.0 } else { x };
     let flat = |p: &DVec3| {
         let p = (p - corners[0]) / size;
@@ -138,7 +139,8 @@ fn flatten(corners: &[DVec3]) -> Option<Vec<DVec2>> {
     Some(corners.iter().map(flat).collect())
 }
 
-/// Whether each face lies in the polygon: from the face around everything, each side of the polygon leads in or out.
+/// Marks the faces within the polygon: starting at the outer face, each side of the polygon changes between outside and
+/// inside.
 fn inside_faces(mesh: &Triangulated) -> Vec<bool> {
     let mut neighbours = vec![Vec::new(); mesh.num_all_faces()];
     for edge in mesh.undirected_edges() {
@@ -161,7 +163,7 @@ fn inside_faces(mesh: &Triangulated) -> Vec<bool> {
     inside.into_iter().map(|is_inside| is_inside == Some(true)).collect()
 }
 
-/// Normal of a polygon, also of a slightly bent one (Newell's method, Sutherland et al. 1974).
+/// Normal of a polygon, including slightly nonplanar ones (Newell's method, Sutherland et al. 1974).
 fn newell_normal(corners: &[DVec3]) -> DVec3 {
     let origin = corners[0];
     let mut sum = DVec3::ZERO;
@@ -204,7 +206,7 @@ mod tests {
         assert!((areas.iter().sum::<f64>() - 4.0).abs() < 1e-12);
     }
 
-    /// Triangles of a face, as corners in order, for each corner that it may start at and both ways around.
+    /// Triangles of a face, as corners in order, for each start corner and both directions.
     fn all_starts(corners: &[DVec3]) -> Vec<Vec<[[u64; 3]; 3]>> {
         let starts = (0..2 * corners.len()).map(|start| {
             let mut face: Vec<u32> = (0..corners.len() as u32).collect();

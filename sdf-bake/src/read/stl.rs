@@ -1,7 +1,8 @@
-//! Stereolithography files: three corners a triangle, nothing shared.
+//! Stereolithography files: three corners per triangle, without shared vertices.
 //!
-//! Binary: 80 bytes of header, the number of triangles, then 50 bytes each (3D Systems 1989). Many binary files begin with the
-//! word `solid`, so the length decides before that word does. File normals are not used: the order of the corners is.
+//! Binary: 80 bytes of header, the number of triangles, then 50 bytes each (3D Systems 1989). Many binary files start
+//! with the word `solid`, so the length is tested before that word. File normals are ignored; the order of the corners
+//! is used.
 
 use glam::DVec3;
 
@@ -12,12 +13,12 @@ const HEADER: usize = 80;
 const PREFIX: usize = 84;
 const RECORD: usize = 50;
 
-/// Whether the length is the one that the header announces.
+/// True if the length equals the length that the header announces.
 pub(super) fn is_binary_of_exact_length(bytes: &[u8]) -> bool {
     announced(bytes).is_some_and(|count| PREFIX as u64 + count * RECORD as u64 == bytes.len() as u64)
 }
 
-/// Whether it begins as an ASCII file does.
+/// True if it starts like an ASCII file.
 pub(super) fn looks_ascii(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let start = &start[..start.len().min(1000)];
@@ -33,7 +34,7 @@ fn announced(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes(count.try_into().ok()?)))
 }
 
-/// Length that a binary header announces [bytes], refused where the file is shorter.
+/// Length that a binary header announces [bytes]; an error if the file is shorter.
 pub(super) fn announced_length(head: &[u8], length: u64) -> Result<u64, ReadError> {
     let count = announced(head).ok_or_else(|| ReadError::Truncated {
         format: Format::Stl,

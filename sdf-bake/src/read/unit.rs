@@ -1,7 +1,7 @@
-//! Which length one file unit is.
+//! Length of one file unit.
 //!
-//! Only glTF states its unit. For the others the rule is written out here, and the reason goes with the mesh,
-//! so that a wrong guess is seen: ABC's OBJ files are in millimetres, its STL files in metres (Koch et al. 2019).
+//! Only glTF states its unit. For the other formats the rule is defined here, and the reason is stored with the mesh,
+//! so that a wrong guess is visible: ABC's OBJ files are in millimetres, its STL files in metres (Koch et al. 2019).
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,18 +10,18 @@ use serde::Serialize;
 
 use super::Format;
 
-/// Below this longest side [file units] an OBJ is taken to be in metres.
+/// Longest side [file units] below which an OBJ is assumed to be in metres.
 const OBJ_METRES_BELOW: f64 = 0.1;
-/// Below this longest side [file units] an STL or PLY is taken to be in metres.
+/// Longest side [file units] below which an STL or PLY is assumed to be in metres.
 const SCAN_METRES_BELOW: f64 = 2.0;
-/// Within this factor of the limit the guess is doubtful: parts of one workshop differ in size by as much.
+/// Factor around the limit within which the guess is doubtful: parts of one workshop differ in size by as much.
 const DOUBTFUL: f64 = 10.0;
 
-/// The unit a user asks for.
+/// Requested unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UnitChoice {
-    /// Decide from format, names, comments and size.
+    /// Automatic, from format, names, comments and size.
     #[default]
     Auto,
     /// One file unit is 1 m.
@@ -79,7 +79,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A unit with the sentence that justifies it.
+/// A unit with a sentence that gives the reason.
 pub(super) struct Decision {
     pub(super) unit: Unit,
     pub(super) reason: String,
@@ -87,7 +87,7 @@ pub(super) struct Decision {
     pub(super) doubtful: bool,
 }
 
-/// What the rule may look at.
+/// Information used to find the unit.
 pub(super) struct Evidence<'a> {
     pub(super) format: Format,
     /// File name.
@@ -138,9 +138,9 @@ fn decide_from(evidence: &Evidence) -> Decision {
     Decision { unit, reason, assumed: true, doubtful }
 }
 
-/// A unit named in a text: `mm` on its own, or any unit after the word `unit` or `units`.
+/// Returns a unit named in a text: `mm` on its own, or any unit after the word `unit` or `units`.
 ///
-/// `inch` or `meter` alone do not count, since they name things too (`3_inch_flange`, `flow_meter`).
+/// `inch` or `meter` alone do not count, because they are also parts of names (`3_inch_flange`, `flow_meter`).
 pub(super) fn stated(text: &str) -> Option<Unit> {
     let lower = text.to_lowercase();
     let mut announced = false;

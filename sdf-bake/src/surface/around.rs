@@ -1,4 +1,4 @@
-//! What the voxels around a cell know of the surface.
+//! Surface information from the voxels around a cell.
 
 use std::cell::RefCell;
 
@@ -11,21 +11,23 @@ use crate::grid::{BrickGrid, cell_corner, trilinear};
 use crate::halo::Halo;
 use crate::tangent::Tangent;
 
-/// Voxels around a brick that its cells, the voxels around those and their slopes read.
+/// Width of the border around a brick that is read: by its cells, by the voxels around them and by their slopes
+/// [voxels].
 const REACH: usize = 4;
 
-/// Voxels of a brick with a smooth face across it whose tangents are asked for: two layers, with those around the brick.
+/// Typical number of voxels whose tangents are computed, for a brick crossed by a smooth face: two layers, including
+/// those around the brick.
 const TYPICAL: usize = 256;
 
-/// The voxels of a brick and around it, whose tangents are found when they are first asked for.
+/// The voxels of a brick and around it; their tangents are computed on first use.
 pub(super) struct Known<'a> {
     grid: &'a BrickGrid,
-    /// As [`super::settle::inset`].
+    /// Inset from [`super::settle::inset`].
     pub(super) inset: f64,
     /// φ [m] below which a lattice point counts as inside.
     level: f32,
     halo: Halo,
-    /// For each voxel of the halo one more than its place in `tangents`, or 0.
+    /// For each voxel of the halo, its index in `tangents` plus one, or 0.
     place: RefCell<Vec<u16>>,
     tangents: RefCell<Vec<Option<Tangent>>>,
 }
@@ -44,7 +46,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// What a voxel knows, its foot relative to the voxel.
+    /// Tangent at a voxel, with its foot relative to the voxel.
     fn tangent(&self, local: IVec3) -> Option<Tangent> {
         let at = self.halo.at(local);
         let (mut place, mut tangents) = (self.place.borrow_mut(), self.tangents.borrow_mut());
@@ -64,12 +66,12 @@ impl<'a> Known<'a> {
 /// A cell with the voxels around it.
 pub(super) struct Around<'a> {
     pub(super) known: &'a Known<'a>,
-    /// Its lowest corner [voxels from the brick's first].
+    /// Lowest corner of the cell [voxels from the brick's first].
     pub(super) low: IVec3,
 }
 
 impl Around<'_> {
-    /// The vertex of the piece with these crossed edges.
+    /// Returns the vertex of the piece with these crossed edges.
     pub(super) fn vertex(&self, edges: impl Iterator<Item = usize> + Clone) -> Vertex {
         let ends = edges.clone().map(edge_ends).fold(0u8, |bits, (low, high)| bits | 1 << low | 1 << high);
         let is_crossed = |step: IVec3| {
@@ -88,37 +90,37 @@ impl Around<'_> {
         Site { tangents, centre, phi, inset, height: &height, is_crossed: &is_crossed, wider }.vertex()
     }
 
-    /// The point on φ = 0 next to a place in the cell [voxels from its lowest corner].
+    /// Returns the point on φ = 0 near a position in the cell [voxels from its lowest corner].
     pub(super) fn onto_zero(&self, at: DVec3) -> DVec3 {
         onto_zero(at, &self.heights_at_corners(), self.known.inset, |at| self.height(at))
     }
 
-    /// φ at the cell's corners over the level below which they are inside [voxels].
+    /// φ at the cell's corners, relative to the level below which they are inside [voxels].
     fn heights_at_corners(&self) -> [f64; 8] {
         let above = |phi: f32| f64::from(phi - self.known.level) / self.known.grid.voxel;
         corner_values(&self.known.halo, self.low).map(above)
     }
 
-    /// φ [voxels] at a place near the cell [voxels from its lowest corner], trilinear.
+    /// φ [voxels] at a position near the cell [voxels from its lowest corner], trilinear.
     fn height(&self, at: DVec3) -> f64 {
         let corner = at.floor();
         let values = corner_values(&self.known.halo, self.low + corner.as_ivec3());
         f64::from(trilinear(&values, (at - corner).as_vec3())) / self.known.grid.voxel
     }
 
-    /// What the voxel at an offset from the cell's lowest corner knows of the surface.
+    /// Tangent at the voxel at an offset from the cell's lowest corner.
     fn tangent(&self, corner: IVec3) -> Option<Tangent> {
         let tangent = self.known.tangent(self.low + corner)?;
         Some(Tangent { foot: tangent.foot + corner.as_dvec3(), ..tangent })
     }
 
-    /// What the 4³ voxels around the cell know.
+    /// Tangents at the 4³ voxels around the cell.
     fn wider(&self) -> Vec<Tangent> {
         (0..64).filter_map(|i| self.tangent(IVec3::new(i >> 4, i >> 2 & 3, i & 3) - 1)).collect()
     }
 }
 
-/// Mean of the points where the values vanish along the edges [voxels from the cell's lowest corner].
+/// Mean of the zero crossings along the edges [voxels from the cell's lowest corner].
 fn middle(values: &[f64; 8], edges: impl Iterator<Item = usize>) -> DVec3 {
     let crossing = |edge: usize| {
         let (a, b) = edge_ends(edge);

@@ -1,7 +1,7 @@
-//! The surface's pieces in one cell: which crossed edges belong together.
+//! Pieces of the surface in one cell, as groups of crossed edges.
 //!
-//! A cell is told by the signs of its eight corners and, for each face whose corners alternate, whether its two inside
-//! corners are joined across it. Each face then pairs its crossed edges, and the pairs close to loops. A loop is one
+//! A cell is described by the signs of its eight corners and, for each face whose corners alternate, by whether its two
+//! inside corners are joined across it. Each face then pairs its crossed edges, and the pairs form loops. A loop is one
 //! piece of the surface: one vertex of the mesh (dual marching cubes, Nielson 2004).
 
 use glam::DVec3;
@@ -11,20 +11,20 @@ use crate::grid::cell_corner;
 /// Bit of an axis in a corner's number, z fastest.
 const AXIS_BIT: [usize; 3] = [4, 2, 1];
 
-/// What tells the pieces of a cell.
+/// Signs that determine the pieces of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Signs {
-    /// Bit i: corner i is inside.
+    /// Bit i is set if corner i is inside.
     pub(super) inside: u8,
-    /// Bit f: the inside corners of the alternating face f are joined.
+    /// Bit f is set if the inside corners of the alternating face f are joined.
     pub(super) joined: u8,
 }
 
-/// Piece of each of a cell's twelve edges, [`NO_PIECE`] where it is not crossed.
+/// Piece of each of a cell's twelve edges; [`NO_PIECE`] for edges that are not crossed.
 pub(super) type Pieces = [u8; 12];
 pub(super) const NO_PIECE: u8 = u8::MAX;
 
-/// The pieces of cells that were met before.
+/// Cache of the pieces of cells.
 pub(super) struct PiecesOf(Vec<Option<(Pieces, u8)>>);
 
 impl Default for PiecesOf {
@@ -34,15 +34,15 @@ impl Default for PiecesOf {
 }
 
 impl PiecesOf {
-    /// As [`Signs::pieces`].
+    /// Cached form of [`Signs::pieces`].
     pub(super) fn of(&mut self, signs: Signs) -> (Pieces, u8) {
         let place = &mut self.0[usize::from(signs.joined) << 8 | usize::from(signs.inside)];
         *place.get_or_insert_with(|| signs.pieces())
     }
 }
 
-/// Corners at the lower and upper end of an edge. Edge 4a + 2u + v runs along axis a; u and v are the places on the
-/// following two axes, in turn.
+/// Corners at the lower and upper end of an edge. Edge 4a + 2u + v runs along axis a; u and v are its positions on the
+/// following two axes, in cyclic order.
 pub(super) const fn edge_ends(edge: usize) -> (usize, usize) {
     const ENDS: [(usize, usize); 12] = {
         let (mut ends, mut edge) = ([(0, 0); 12], 0);
@@ -58,7 +58,7 @@ pub(super) const fn edge_ends(edge: usize) -> (usize, usize) {
     ENDS[edge]
 }
 
-/// Mean of the middles of edges [voxels from the cell's lowest corner].
+/// Mean of the midpoints of edges [voxels from the cell's lowest corner].
 pub(super) fn middle_of_edges(edges: impl Iterator<Item = usize>) -> DVec3 {
     let middle = |edge: usize| {
         let (low, high) = edge_ends(edge);
@@ -75,7 +75,7 @@ fn edge_between(a: usize, b: usize) -> usize {
     4 * axis + 2 * bit((axis + 1) % 3) + bit((axis + 2) % 3)
 }
 
-/// Corners around face 2a + s, which has place s on axis a.
+/// Corners around face 2a + s, which is at position s on axis a.
 pub(super) fn face_corners(face: usize) -> [usize; 4] {
     let (axis, side) = (face / 2, face % 2);
     let [base, u, v] = [side * AXIS_BIT[axis], AXIS_BIT[(axis + 1) % 3], AXIS_BIT[(axis + 2) % 3]];
@@ -83,13 +83,14 @@ pub(super) fn face_corners(face: usize) -> [usize; 4] {
 }
 
 impl Signs {
-    /// Signs of the corner values; alternating faces as the bilinear interpolant has them (Nielson & Hamann 1991).
+    /// Signs from the corner values; alternating faces are resolved by the bilinear interpolant (Nielson & Hamann
+    /// 1991).
     pub(super) fn of(values: &[f32; 8]) -> Self {
         let inside = (0..8).filter(|&i| values[i] < 0.0).fold(0, |bits, i| bits | 1 << i);
         let signs = Self { inside, joined: 0 };
         let joins = |&face: &usize| {
             let [a, b, c, d] = face_corners(face).map(|corner| f64::from(values[corner]));
-            // The value at the saddle is this over a sum that has the sign of a and c.
+            // The value at the saddle is this divided by a sum with the sign of a and c.
             (a < 0.0) == (a * c - b * d > 0.0)
         };
         let joined = (0..6).filter(|&face| signs.alternates(face)).filter(joins).fold(0, |bits, face| bits | 1 << face);
@@ -105,13 +106,13 @@ impl Signs {
         self.is_inside(low) != self.is_inside(high)
     }
 
-    /// Whether the corners around a face are inside and outside in turn.
+    /// True if the corners around a face are alternately inside and outside.
     pub(super) fn alternates(self, face: usize) -> bool {
         let [a, b, c, d] = face_corners(face).map(|corner| self.is_inside(corner));
         a == c && b == d && a != b
     }
 
-    /// Pairs of crossed edges of a face: each is where one piece passes through it.
+    /// Pairs of crossed edges of a face; one piece passes through the face at each pair.
     fn pairs(self, face: usize) -> impl Iterator<Item = (usize, usize)> {
         let corners = face_corners(face);
         let edges: [usize; 4] = std::array::from_fn(|i| edge_between(corners[i], corners[(i + 1) % 4]));
@@ -119,7 +120,7 @@ impl Signs {
         let pairs = match [crossed.next(), crossed.next(), crossed.next()] {
             [Some(a), Some(b), None] => [Some((a, b)), None],
             [Some(_), Some(_), Some(_)] => {
-                // Corners that are cut off: outside ones if the inside is joined, else inside ones.
+                // Corners that are cut off: outside ones if the inside is joined, otherwise inside ones.
                 let joined = self.joined >> face & 1 != 0;
                 let first = usize::from(self.is_inside(corners[0]) == joined);
                 [Some(((first + 3) % 4, first)), Some((first + 1, first + 2))]
@@ -129,7 +130,7 @@ impl Signs {
         pairs.into_iter().flatten().map(move |(a, b)| (edges[a], edges[b]))
     }
 
-    /// The pieces, numbered by their first edge, and how many there are.
+    /// Piece of each edge, numbered by first edge, and the number of pieces.
     pub(super) fn pieces(self) -> (Pieces, u8) {
         let mut root: [usize; 12] = std::array::from_fn(|edge| edge);
         for face in 0..6 {
@@ -151,7 +152,7 @@ impl Signs {
         (pieces, count)
     }
 
-    /// Whether one piece passes twice through an alternating face.
+    /// True if one piece passes twice through an alternating face.
     pub(super) fn doubles_at(self, face: usize) -> bool {
         let (pieces, _) = self.pieces();
         let mut of_pairs = self.pairs(face).map(|(edge, _)| pieces[edge]);

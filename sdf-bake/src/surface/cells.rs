@@ -1,4 +1,4 @@
-//! All cells that the surface crosses, brick by brick.
+//! Finds all cells that the surface crosses, brick by brick.
 
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, cell_corner, voxel_at, vo
 use crate::halo::Halo;
 use crate::index::BrickIndex;
 
-/// No cell in [`Brick::place`].
+/// Entry of [`Brick::place`] without a cell.
 const NO_CELL: u16 = u16::MAX;
 /// Nodes along the side of a brick's cells.
 const NODES: usize = BRICK_SIDE + 1;
@@ -19,10 +19,10 @@ const NODES: usize = BRICK_SIDE + 1;
 /// A cell that the surface crosses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
-    /// Place of its lowest corner in the brick.
+    /// Offset of its lowest corner in the brick.
     pub(super) offset: u16,
     pub(super) signs: Signs,
-    /// Number of the first of its vertices; its pieces follow each other.
+    /// Index of its first vertex; its pieces have consecutive indices.
     first_vertex: u32,
     /// Piece of each of its edges.
     pieces: Pieces,
@@ -33,7 +33,7 @@ pub(super) struct Cell {
 pub(super) struct Brick {
     at: IVec3,
     pub(super) cells: Vec<Cell>,
-    /// Position in `cells` of the cell at each offset.
+    /// Index in `cells` of the cell at each offset.
     place: Box<[u16; BRICK_VOXELS]>,
 }
 
@@ -45,12 +45,12 @@ pub(super) struct Corner {
     pub(super) shape: Shape,
     /// Lowest corner of its cell [voxels].
     pub(super) cell: IVec3,
-    /// Where it is if its place is taken, well within the cell [voxels from its lowest corner].
+    /// Position well within the cell, used if `at` is taken [voxels from the cell's lowest corner].
     pub(super) home: Vec3,
 }
 
 impl Corner {
-    /// Distance outside the cell on the axis where it is largest [voxels]; negative within.
+    /// Distance outside the cell on the axis where it is greatest [voxels]; negative within.
     pub(super) fn away(&self) -> f64 {
         outside_by(self.at - self.cell.as_dvec3())
     }
@@ -65,7 +65,7 @@ pub(super) struct CellMap {
     bricks: Vec<Brick>,
     /// Brick coordinates of the first entry of `position`.
     origin: IVec3,
-    /// Place in `bricks` of each brick with a crossed cell.
+    /// Index in `bricks` of each brick with a crossed cell.
     position: BrickIndex,
 }
 
@@ -105,7 +105,7 @@ pub(super) fn level(grid: &BrickGrid, inset: f64) -> f32 {
     -(inset * grid.voxel) as f32
 }
 
-/// For each row of a brick's nodes along z a bit for each node that is inside.
+/// For each row of a brick's nodes along z, one bit per node, set if it is inside.
 fn inside_rows(halo: &Halo) -> [[u16; NODES]; NODES] {
     let row = |x: usize, y: usize| {
         let first = halo.at(IVec3::new(x as i32, y as i32, 0));
@@ -115,19 +115,19 @@ fn inside_rows(halo: &Halo) -> [[u16; NODES]; NODES] {
     std::array::from_fn(|x| std::array::from_fn(|y| row(x, y)))
 }
 
-/// A bit for each cell of a row along z with corners inside and outside.
+/// One bit per cell of a row along z, set if it has corners inside and outside.
 fn crossed_in_row(inside: &[[u16; NODES]; NODES], x: usize, y: usize) -> u16 {
     let rows = [inside[x][y], inside[x][y + 1], inside[x + 1][y], inside[x + 1][y + 1]];
     let (any, all) = rows.iter().fold((0, u16::MAX), |(any, all), row| (any | row, all & row));
     (any | any >> 1) & !(all & all >> 1) & 0xff
 }
 
-/// Bricks that hold the lowest corners of cells that reach into a brick.
+/// Bricks that contain the lowest corners of cells that reach into a brick.
 fn lowest_bricks(brick: IVec3) -> impl Iterator<Item = IVec3> {
     (0..8).map(move |i| brick - cell_corner(i))
 }
 
-/// As [`lowest_bricks`], where the surface passes between bricks that are wholly inside and wholly outside.
+/// [`lowest_bricks`] where the surface passes between bricks that are entirely inside and entirely outside.
 fn between_sides(grid: &BrickGrid) -> impl ParallelIterator<Item = IVec3> {
     let inside = (0..grid.index.tile_count()).into_par_iter().flat_map_iter(|tile| grid.index.inside_of(tile));
     let lowest = inside.flat_map_iter(|brick| lowest_bricks(grid.origin + brick));
@@ -157,12 +157,12 @@ impl CellMap {
         map
     }
 
-    /// The bricks with crossed cells, by their coordinates.
+    /// Bricks with crossed cells, ordered by their coordinates.
     pub(super) fn bricks(&self) -> &[Brick] {
         &self.bricks
     }
 
-    /// The vertex of the piece that an edge of a cell belongs to.
+    /// Vertex of the piece to which an edge of a cell belongs.
     pub(super) fn vertex(&self, voxel: IVec3, edge: usize) -> u32 {
         let (brick, cell) = self.find(voxel).expect("the four cells around a crossed edge are crossed");
         let cell = &self.bricks[brick].cells[cell];
@@ -170,7 +170,7 @@ impl CellMap {
         cell.first_vertex + u32::from(cell.pieces[edge])
     }
 
-    /// The vertices of a cell; none if the surface does not cross it.
+    /// Vertices of a cell; empty if the surface does not cross it.
     pub(super) fn vertices_of(&self, voxel: IVec3) -> std::ops::Range<u32> {
         let Some((brick, cell)) = self.find(voxel) else { return 0..0 };
         let cell = &self.bricks[brick].cells[cell];
@@ -183,8 +183,8 @@ impl CellMap {
         (cell != NO_CELL).then_some((brick, usize::from(cell)))
     }
 
-    /// Turns the pairs of each face through which one piece passes twice on both sides. That splits both pieces and
-    /// joins none, so one round is enough.
+    /// Exchanges the pairs of each face through which one piece passes twice on both sides. That splits both pieces and
+    /// joins none, so one pass suffices.
     fn split_doubles(&mut self) {
         for brick in 0..self.bricks.len() {
             for cell in 0..self.bricks[brick].cells.len() {
@@ -215,7 +215,8 @@ impl CellMap {
         }
     }
 
-    /// All vertices in their order, where the surface has them; their homes are `inset` [voxels] within their cells.
+    /// Computes all vertices in order, at their positions on the surface; their homes are `inset` [voxels] within their
+    /// cells.
     pub(super) fn vertices(&self, grid: &BrickGrid, inset: f64) -> Vec<Corner> {
         let of_brick = |brick: &Brick| {
             let known = Known::of(grid, brick.at, inset);

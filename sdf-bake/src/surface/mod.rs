@@ -1,11 +1,11 @@
-//! The zero set as a closed triangle mesh with sharp edges.
+//! Extracts the zero set as a closed triangle mesh with sharp edges.
 //!
-//! Dual: each piece of the surface in a cell is a vertex (`cell.rs`), placed where the tangent planes that the voxels know
-//! meet (`place.rs`); each lattice edge with a sign change is a quad between the four cells around it. Every edge of
-//! the mesh is where a piece passes through a face of a cell, so it has two quads. One piece that passes twice through a
-//! face into a piece that does the same would give an edge four; turning the pairs of that face splits both pieces
-//! (after Wenger 2013, "Isosurfaces", ch. 3). No two vertices are in one place (`settle.rs`), so the mesh is a closed,
-//! oriented manifold whatever the values are, as it stands and once equal positions are merged.
+//! The method is dual: each piece of the surface in a cell is a vertex (`cell.rs`), placed where the tangent planes of
+//! the voxels meet (`place.rs`); each lattice edge with a sign change is a quad between the four cells around it. Every
+//! edge of the mesh corresponds to a piece that passes through a face of a cell, so it has two quads. If one piece
+//! passes twice through a face into a piece that does the same, an edge would have four; exchanging the pairs of that
+//! face splits both pieces (after Wenger 2013, "Isosurfaces", ch. 3). No two vertices coincide (`settle.rs`), so the
+//! mesh is a closed, oriented manifold for any values, both as it is and once equal positions are merged.
 
 mod around;
 mod cell;
@@ -25,10 +25,10 @@ use triangles::{Split, quads, split};
 impl BrickGrid {
     /// The surface {φ = 0} as a closed manifold mesh with outward triangles; sharp edges and corners are kept.
     ///
-    /// Also in single precision no two vertices are in one place and no triangle is without area, if a voxel is 32 or more
-    /// steps of the largest coordinate. Vertices and triangles are in the order of the bricks' coordinates, whatever the
-    /// number of threads. Walls and gaps thinner than a voxel may be absent. Where baking closed a hole for the sign only,
-    /// the surface is where φ jumps.
+    /// In single precision as well, no two vertices coincide and no triangle has zero area, if a voxel is at least 32
+    /// units in the last place of the largest coordinate. Vertices and triangles are in the order of the bricks'
+    /// coordinates, for any number of threads. Walls and gaps thinner than a voxel may be missing. Where baking closed
+    /// a hole for the sign only, the surface is at the jump of φ.
     pub fn surface_mesh(&self) -> Mesh {
         let split = Split { voxel: self.voxel, inset: settle::inset(self) };
         let map = CellMap::of(self, split.inset);
@@ -39,8 +39,8 @@ impl BrickGrid {
         Mesh { positions: vertices.into_iter().map(|vertex| vertex.at * self.voxel).collect(), triangles }
     }
 
-    /// Sums over the triangles of [`BrickGrid::surface_mesh`], before any vertex goes home: of `of` at their corners [voxels],
-    /// in the order of the bricks' coordinates.
+    /// Sums `of` over the triangles of [`BrickGrid::surface_mesh`] before any vertex is moved home, given their corners
+    /// [voxels], in the order of the bricks' coordinates.
     pub(crate) fn surface_sums(&self, of: impl Fn([DVec3; 3]) -> [f64; 2] + Sync) -> [f64; 2] {
         let inset = settle::inset(self);
         let map = CellMap::of(self, inset);
@@ -55,8 +55,8 @@ impl BrickGrid {
         sums.into_iter().fold([0.0; 2], add)
     }
 
-    /// Area of {φ = 0} [m²]: that of [`BrickGrid::surface_mesh`]. Second order in the voxel size on smooth parts; next to
-    /// sharp edges thin triangles may fold and add to it (`docs/fields.md` has figures).
+    /// Area of {φ = 0} [m²]: that of [`BrickGrid::surface_mesh`]. Second order in the voxel size on smooth parts; next
+    /// to sharp edges thin triangles may fold and increase it (`docs/fields.md` has figures).
     pub fn area(&self) -> f64 {
         self.surface_mesh().area()
     }

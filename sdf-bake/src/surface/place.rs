@@ -1,92 +1,94 @@
-//! Where a piece of the surface has its vertex.
+//! Position of the vertex of a piece of the surface.
 //!
-//! Every voxel knows a plane: through its closest surface point, across its gradient. The planes of the corners of a
-//! cell meet in the edge or corner of the surface that the cell holds, which is the point where the sum of the squared
-//! distances from them is least (Ju et al. 2002, "Dual contouring of Hermite data", whose data were at crossed edges).
+//! Every voxel has a tangent plane: through its closest surface point, perpendicular to its gradient. The planes of a
+//! cell's corners meet in the edge or corner of the surface within the cell, which is the point where the sum of the
+//! squared distances from them is minimal (Ju et al. 2002, "Dual contouring of Hermite data", whose data were at
+//! crossed edges).
 
 use glam::{DMat3, DVec3, IVec3};
 
 use crate::grid::cell_corner;
 use crate::tangent::Tangent;
 
-/// How far outside its cell an edge of the surface may be found, and a closest point used [voxels].
+/// Greatest distance outside its cell at which an edge of the surface is accepted, and a closest point used [voxels].
 const MARGIN: f64 = 0.1;
-/// As [`MARGIN`], where the surface does not cross the cell that holds the edge, or both faces have points in this one.
+/// [`MARGIN`] if the surface does not cross the cell that contains the edge, or if both faces have points in this cell.
 const TIP: f64 = 0.7;
-/// How far outside the cell the closest points of voxels around it may be [voxels].
+/// Greatest distance outside the cell of the closest points of voxels around it [voxels].
 const WIDER: f64 = 1.1;
-/// How far from all of their planes the point may be where they meet [voxels].
+/// Greatest distance between the intersection point and each of its planes [voxels].
 const CONSISTENT: f64 = 0.02;
-/// Share of the tangents' own normals in the height of a smooth face, the rest is the mean normal's. A half would put
-/// vertices on the surface; a third more lifts them by a twelfth of the curvature, as much as the triangles sag between.
+/// Weight of the tangents' own normals in the height of a smooth face; the rest is the mean normal's. One half would
+/// put vertices on the surface; one third more lifts them by a twelfth of the curvature, as much as the triangles sag
+/// between them.
 const BALANCE: f64 = 5.0 / 6.0;
-/// Share of the largest eigenvalue above which planes count as facing another way: normals about 23° apart.
+/// Share of the largest eigenvalue above which planes count as facing in different directions: normals about 23° apart.
 const FACES: f64 = 0.04;
 /// Cosine of the angle within which planes belong to one smooth face.
 const SAME_FACE: f64 = 0.7;
 
-/// Cosine of the angle from the mean normal within which planes may be those of one curved face.
+/// Cosine of the angle from the mean normal within which planes may belong to one curved face.
 const CURVED: f64 = 0.8;
-/// Root mean square of the distances by which the planes of a curved face miss the point where they meet [voxels].
+/// Root mean square distance between the planes of a curved face and their intersection point [voxels].
 const MISSED: f64 = 0.045;
-/// |φ| of the trilinear field above which a point is not taken for one of a face [voxels].
+/// |φ| of the trilinear field above which a point does not count as a point of a face [voxels].
 const OFF_FACE: f64 = 0.15;
-/// Largest |φ| of the trilinear field on a sharp edge or corner [voxels].
+/// Greatest |φ| of the trilinear field on a sharp edge or corner [voxels].
 const OFF_EDGE: f64 = 0.6;
 
-/// Steps of alternating projections onto a plane and into the cell.
+/// Number of alternating projections onto a plane and into the cell.
 const ONTO_PLANE: usize = 8;
 
-/// Halvings of the way to φ = 0.
+/// Number of bisections towards φ = 0.
 const HALVINGS: usize = 20;
 
 /// A vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// Place in the cell, 0 to 1 on each axis, or next to it.
+    /// Position in the cell, 0 to 1 on each axis, or next to it.
     pub(super) at: DVec3,
     pub(super) shape: Shape,
-    /// The same or, where that is not well within the cell, a place near it that is.
+    /// The same position or, if that is not well within the cell, a position near it that is.
     pub(super) home: DVec3,
 }
 
-/// How the surface is bent at a vertex.
+/// Shape of the surface at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     Smooth,
-    /// On an edge or corner that stands out.
+    /// On a convex edge or corner.
     Outer,
-    /// On one that is a groove.
+    /// On a concave edge or corner.
     Inner,
 }
 
-/// What is known around a piece of the surface in a cell; places in voxels from the cell's lowest corner.
+/// Data around a piece of the surface in a cell; positions in voxels from the cell's lowest corner.
 pub(super) struct Site<'a> {
     /// Tangents of the corners next to the piece.
     pub(super) tangents: Vec<Tangent>,
-    /// Middle of the piece's crossed edges.
+    /// Mean of the piece's edge crossings.
     pub(super) centre: DVec3,
-    /// φ at the cell's corners over the level below which they are inside [voxels].
+    /// φ at the cell's corners, relative to the level below which they are inside [voxels].
     pub(super) phi: [f64; 8],
-    /// Distance of homes from the borders of their cell [voxels], which is also minus that level.
+    /// Distance of homes from the borders of their cell [voxels], equal to minus that level.
     pub(super) inset: f64,
     /// φ [voxels], trilinear, up to a voxel outside the cell.
     pub(super) height: &'a dyn Fn(DVec3) -> f64,
-    /// Whether the surface crosses the cell at an offset from this one.
+    /// Returns true if the surface crosses the cell at an offset from this one.
     pub(super) is_crossed: &'a dyn Fn(IVec3) -> bool,
     /// Tangents of more voxels around; `None` if those of all corners are known.
     pub(super) wider: Option<&'a dyn Fn() -> Vec<Tangent>>,
 }
 
 impl Site<'_> {
-    /// The piece's vertex.
+    /// Computes the piece's vertex.
     pub(super) fn vertex(mut self) -> Vertex {
         let (at, shape) = self.place();
         Vertex { at, shape, home: self.home(at, shape) }
     }
 
-    /// A place well within the cell for a vertex that is not, on one of the planes and near all faces that they make: the
-    /// planes are exact next to an edge, the trilinear field is not.
+    /// Position well within the cell for a vertex that is not: on one of the planes and near all faces that they form.
+    /// Near an edge the planes are exact, but the trilinear field is not.
     fn home(&self, at: DVec3, shape: Shape) -> DVec3 {
         let within = |at: DVec3| at.clamp(DVec3::splat(self.inset), DVec3::splat(1.0 - self.inset));
         let near = within(at);
@@ -107,13 +109,13 @@ impl Site<'_> {
     }
 
     fn place(&mut self) -> (DVec3, Shape) {
-        // Most cells are so, and no edge is near them.
+        // Most cells are smooth, and have no edge near them.
         let is_smooth = self.wider.is_none() && all_face_one_way(&self.tangents);
         if !is_smooth && let Some(vertex) = self.sharp_vertex(&self.tangents, MARGIN) {
             return vertex;
         }
-        // Perhaps the edge is not in this cell, and a voxel's closest point is beyond it. If both faces have points in
-        // this cell, the edge runs close by.
+        // The edge may be outside this cell, and a voxel's closest point beyond it. If both faces have points in this
+        // cell, the edge is close.
         self.tangents.retain(|tangent| outside_by(tangent.foot) <= MARGIN);
         if !is_smooth && let Some(vertex) = self.sharp_vertex(&self.tangents, TIP) {
             return vertex;
@@ -124,7 +126,7 @@ impl Site<'_> {
         let Some(nearest) = self.tangents.iter().min_by(by_distance) else {
             return (self.near_field(self.centre), Shape::Smooth);
         };
-        // Perhaps it is, but no corner of this cell sees its other face.
+        // The edge may be in this cell although no corner of the cell has a tangent on its other face.
         let sharp = self.wider.and_then(|wider| {
             let mut wider = wider();
             wider.retain(|tangent| outside_by(tangent.foot) <= WIDER);
@@ -133,8 +135,8 @@ impl Site<'_> {
         sharp.unwrap_or_else(|| (self.face_point(nearest), Shape::Smooth))
     }
 
-    /// A point of the nearest face in the cell and near φ = 0. Where planes of several faces meet outside and the field is
-    /// far from 0 at that point, it is the point of one of the planes at which φ is nearest to 0.
+    /// Returns a point of the nearest face in the cell and near φ = 0. If planes of several faces meet outside and the
+    /// field is far from 0 at that point, returns the point of the plane at which φ is nearest to 0.
     fn face_point(&self, nearest: &Tangent) -> DVec3 {
         let within = |at: DVec3| at.clamp(DVec3::ZERO, DVec3::ONE);
         let off = |at: &DVec3| (self.height)(*at).abs();
@@ -151,23 +153,24 @@ impl Site<'_> {
         self.near_field(best.unwrap_or(on_face))
     }
 
-    /// A point of the cell, or where the field is farther from 0 there than on an edge, one on φ = 0.
+    /// Returns the point itself or, if the field is farther from 0 there than on an edge, a point on φ = 0.
     fn near_field(&self, at: DVec3) -> DVec3 {
         if (self.height)(at).abs() <= OFF_EDGE { at } else { onto_zero(at, &self.phi, self.inset, self.height) }
     }
 
-    /// The vertex where the planes meet, if that is no farther outside the cell than `margin` or not another cell's to show.
+    /// Returns the vertex at the intersection of the planes, if it is at most `margin` outside the cell or no other
+    /// cell represents it.
     fn sharp_vertex(&self, tangents: &[Tangent], margin: f64) -> Option<(DVec3, Shape)> {
         let sharp = sharp_point(tangents, self.centre)?;
         let at = sharp.along.and_then(|along| clipped(sharp.at, along)).unwrap_or(sharp.at);
-        // A tip may lie in a cell whose corners are all on one side: then no other vertex stands for it.
+        // A tip may lie in a cell whose corners are all on one side: then no other vertex represents it.
         let alone = outside_by(at) <= TIP && !(self.is_crossed)(at.floor().as_ivec3());
         let near = outside_by(at) <= margin || alone;
         let meets = near && !is_curved(tangents, at) && (self.height)(at).abs() <= OFF_EDGE;
         meets.then(|| (at, self.bend(tangents)))
     }
 
-    /// Outer if φ is rather the greatest height over the planes than the least.
+    /// Outer if φ is closer to the greatest height above the planes than to the least.
     fn bend(&self, tangents: &[Tangent]) -> Shape {
         let (mut outer, mut inner) = (0.0, 0.0);
         for (i, phi) in self.phi.iter().enumerate() {
@@ -179,8 +182,8 @@ impl Site<'_> {
     }
 }
 
-/// The point on φ = 0 on the way from a point of a cell to the nearest corner on the other side; `phi` at the corners,
-/// `inset` and `height` as in [`Site`].
+/// Returns the point on φ = 0 on the segment from a point of a cell to the nearest corner on the other side; `phi` at
+/// the corners, `inset` and `height` as in [`Site`].
 pub(super) fn onto_zero(at: DVec3, phi: &[f64; 8], inset: f64, height: impl Fn(DVec3) -> f64) -> DVec3 {
     let is_inside_at = |at: DVec3| height(at) < -inset;
     let is_inside = is_inside_at(at);
@@ -194,8 +197,8 @@ pub(super) fn onto_zero(at: DVec3, phi: &[f64; 8], inset: f64, height: impl Fn(D
     near
 }
 
-/// Drops the planes that do not go through the point where the others meet, the farthest first; whether half of them
-/// are left. On a curved face hardly any planes meet.
+/// Removes planes that miss the intersection point of the others, the farthest first. Returns true if at least half of
+/// them remain. On a curved face hardly any planes meet.
 fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) -> bool {
     let least = tangents.len().div_ceil(2);
     while let Some(SharpPoint { at, .. }) = sharp_point(tangents, centre) {
@@ -210,33 +213,33 @@ fn make_consistent(tangents: &mut Vec<Tangent>, centre: DVec3) -> bool {
     false
 }
 
-/// Whether planes that do not differ much miss the point where they should meet, as those of a strongly curved face do.
+/// True if similar planes miss their intersection point, as those of a strongly curved face do.
 fn is_curved(tangents: &[Tangent], at: DVec3) -> bool {
     let mean = tangents.iter().map(|t| t.normal).sum::<DVec3>().normalize_or_zero();
     let missed: f64 = tangents.iter().map(|t| t.normal.dot(at - t.foot).powi(2)).sum();
     tangents.iter().all(|t| t.normal.dot(mean) > CURVED) && missed > tangents.len() as f64 * MISSED * MISSED
 }
 
-/// Distance of a point from the unit cell on the axis where it is farthest.
+/// Distance of a point outside the unit cell on the axis where it is greatest.
 pub(super) fn outside_by(at: DVec3) -> f64 {
     (-at).max(at - 1.0).max_element()
 }
 
-/// The point of a line nearest to `at` on it within the cell and its margin, or `None` if the line passes by.
+/// Returns the point of a line nearest to `at` within the cell and its margin; `None` if the line misses them.
 fn clipped(at: DVec3, along: DVec3) -> Option<DVec3> {
     let (a, b) = ((-MARGIN - at) / along, (1.0 + MARGIN - at) / along);
     let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
     (enter <= leave).then(|| at + along * 0f64.clamp(enter, leave))
 }
 
-/// Where planes of different faces meet.
+/// Intersection of planes of different faces.
 struct SharpPoint {
     at: DVec3,
-    /// Direction of the line that they share, where it is a line.
+    /// Direction of the intersection line, if it is a line.
     along: Option<DVec3>,
 }
 
-/// The point nearest to `centre` at which planes of different faces meet, or `None` if all face one way.
+/// Returns the point nearest to `centre` at which planes of different faces meet; `None` if all face in one direction.
 fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
     if all_face_one_way(tangents) {
         return None;
@@ -261,8 +264,8 @@ fn sharp_point(tangents: &[Tangent], centre: DVec3) -> Option<SharpPoint> {
     Some(SharpPoint { at: centre + step(0) + step(1) + step(2), along })
 }
 
-/// Whether the planes have one large eigenvalue by a bound that is cheap: it is at least the square sum along the mean
-/// normal, and all three add up to the number of planes.
+/// True if the planes have only one large eigenvalue, by a cheap bound: it is at least the sum of squares along the
+/// mean normal, and all three add up to the number of planes.
 fn all_face_one_way(tangents: &[Tangent]) -> bool {
     let mean = tangents.iter().map(|t| t.normal).sum::<DVec3>().normalize_or_zero();
     let along: f64 = tangents.iter().map(|t| t.normal.dot(mean).powi(2)).sum();
@@ -270,8 +273,8 @@ fn all_face_one_way(tangents: &[Tangent]) -> bool {
     across < FACES * along
 }
 
-/// A point above or below `centre` of the smooth face that one of the tangents belongs to. On a curved face a tangent
-/// plane lies above the surface's top by as much as its foot lies below it.
+/// Returns a point above or below `centre` on the smooth face to which one of the tangents belongs. On a curved face a
+/// tangent plane lies above the surface's top by as much as its foot lies below it.
 fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
     let face = tangents.iter().filter(|t| t.normal.dot(one.normal) > SAME_FACE);
     let normal = face.clone().map(|t| t.normal).sum::<DVec3>().normalize();
@@ -280,8 +283,8 @@ fn smooth_point(tangents: &[Tangent], one: &Tangent, centre: DVec3) -> DVec3 {
     centre + normal * (sum / count)
 }
 
-/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations (Golub & Van Loan 2013,
-/// section 8.5).
+/// Eigenvalues of a symmetric matrix and their unit eigenvectors as columns, by Jacobi rotations (Golub & Van Loan
+/// 2013, section 8.5).
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut axes = DMat3::IDENTITY;
     let small = 1e-14 * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);

@@ -1,11 +1,11 @@
-//! Gives every vertex a place of its own.
+//! Gives every vertex a unique position.
 //!
-//! A vertex may lie outside its cell, where an edge or corner of the surface is, or on the cell's border, where a face of
-//! the part is a plane of the lattice. Several may then ask for one place, and three for one line; merged by position, the
-//! mesh would be no manifold. So the first keeps the place, and the others go home: well within their cells, where no
-//! two vertices meet. Four vertices in the four cells around a lattice edge have a diagonal that leaves two triangles
-//! with an area: seen along the edge they are in four different quadrants, and a line through one of them and its two
-//! neighbours misses the fourth.
+//! A vertex may lie outside its cell, on an edge or corner of the surface, or on the cell's border, where a face of the
+//! part is a plane of the lattice. Several vertices may then have one position, and three may lie on one line; merged
+//! by position, the mesh would not be a manifold. So the first vertex keeps the position, and the others move to their
+//! homes: positions well within their cells, where no two vertices meet. The quad of four home vertices in the four
+//! cells around a lattice edge has a diagonal that gives two triangles of nonzero area: seen along the edge the
+//! vertices are in four different quadrants, and a line through one of them and its two neighbours misses the fourth.
 
 use std::collections::HashMap;
 
@@ -17,26 +17,26 @@ use super::cells::{CellMap, Corner};
 use super::triangles::{Quad, Split};
 use crate::grid::{BRICK_SIDE, BrickGrid, cell_corner};
 
-/// Distance from the borders of its cell at which a vertex is at home [voxels], where single precision allows it.
+/// Distance of homes from the borders of their cells [voxels], if single precision allows it.
 const INSET: f64 = 1e-3;
-/// As [`INSET`], in steps of single precision: two vertices at home are then apart after rounding.
+/// [`INSET`] in units in the last place of single precision; two homes then differ after rounding.
 const INSET_STEPS: f64 = 4.0;
-/// Largest inset [voxels]: beyond it the voxels are too small for coordinates in single precision.
+/// Greatest inset [voxels]; above it the voxels are too small for coordinates in single precision.
 const LARGEST_INSET: f64 = 0.125;
 
 /// Distance of homes from the borders of their cells [voxels].
 ///
-/// It is also how far a lattice point must be inside the surface to count as inside. A face of the part that is a plane of
-/// the lattice would otherwise be on one side or the other from point to point, as rounding has it. A mesh in single
-/// precision is off by half a step.
+/// It is also the depth inside the surface from which a lattice point counts as inside. Otherwise rounding would put a
+/// face of the part that is a plane of the lattice on different sides from point to point. A mesh in single precision
+/// has errors of half a unit in the last place.
 pub(super) fn inset(grid: &BrickGrid) -> f64 {
     let bricks = grid.origin.abs().max((grid.origin + grid.dims).abs()).max_element();
-    // Steps are at most 2⁻²³ of the coordinate.
+    // Units in the last place are at most 2⁻²³ of the coordinate.
     let step = f64::from(bricks) * BRICK_SIDE as f64 * f64::from(f32::EPSILON);
     INSET.max(INSET_STEPS * step).min(LARGEST_INSET)
 }
 
-/// Moves vertices home until no two are in one place and no quad needs a triangle without area.
+/// Moves vertices home until no two coincide and no quad requires a triangle of zero area.
 pub(super) fn settle(vertices: &mut [Corner], quads: &[Quad], map: &CellMap, split: &Split) {
     let mut settling = Settling { vertices, map, inset: split.inset, claims: Claims::default() };
     for vertex in settling.farthest_first() {
@@ -63,12 +63,12 @@ struct Settling<'a> {
     claims: Claims,
 }
 
-/// Vertices that keep a place outside their homes, by the cell in which it is.
+/// Vertices that keep a position outside their homes, by the cell that contains it.
 #[derive(Default)]
 struct Claims {
-    /// The last vertex in each cell, as its position in `chain`.
+    /// Last vertex in each cell, as its index in `chain`.
     last: HashMap<IVec3, usize>,
-    /// A vertex and the one before it in its cell.
+    /// A vertex and the index of the previous one in its cell.
     chain: Vec<(u32, Option<usize>)>,
 }
 
@@ -91,7 +91,7 @@ impl Settling<'_> {
         corner.away() <= -0.5 * self.inset
     }
 
-    /// Vertices outside their homes, those first that going home would move farthest from the surface.
+    /// Vertices outside their homes, in descending order of the distance to their homes.
     fn farthest_first(&self) -> Vec<u32> {
         let way = |vertex: &u32| {
             let corner = &self.vertices[*vertex as usize];
@@ -102,12 +102,12 @@ impl Settling<'_> {
         away
     }
 
-    /// Keeps a place outside home.
+    /// Reserves a position outside home.
     fn claim(&mut self, vertex: u32) {
         self.claims.add(self.vertices[vertex as usize].at.floor().as_ivec3(), vertex);
     }
 
-    /// Moves a vertex home, and whatever is in its way there.
+    /// Moves a vertex home, and any vertex that obstructs it there.
     fn send_home(&mut self, vertex: u32) {
         let mut away = vec![vertex];
         while let Some(vertex) = away.pop() {
@@ -120,7 +120,7 @@ impl Settling<'_> {
         }
     }
 
-    /// Vertices that are at home or have claimed their places, closer to a vertex than homes are to each other.
+    /// Vertices at home or with reserved positions that are closer to a vertex than homes are to each other.
     fn near(&self, vertex: u32) -> Vec<u32> {
         let reach = 0.5 * self.inset;
         let at = self.vertices[vertex as usize].at;
@@ -138,7 +138,7 @@ impl Settling<'_> {
         near
     }
 
-    /// The vertex of a quad that is farthest outside its cell, or `None` if all are at home.
+    /// Vertex of a quad that is farthest outside its cell; `None` if all are at home.
     fn farthest_from_home(&self, quad: &Quad) -> Option<u32> {
         let away = |vertex: &u32| self.vertices[*vertex as usize].away();
         let not_home = quad.iter().copied().filter(|&vertex| !self.is_home(vertex));
@@ -146,9 +146,9 @@ impl Settling<'_> {
     }
 }
 
-/// Moves the homes of a cell's vertices apart where two are in one place: onto φ = 0, and from there towards the middles
-/// of their pieces, no farther than they must. Middles of two pieces are at least 0.3 voxels apart, so that two homes go
-/// less than 2 insets / 0.3 of that way.
+/// Separates the homes of a cell's vertices if two coincide: moves them onto φ = 0, and from there towards the centres
+/// of their pieces, as little as necessary. Centres of two pieces are at least 0.3 voxels apart, so two homes move less
+/// than 2 insets / 0.3 of that distance.
 pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], around: &Around) {
     let inset = around.known.inset;
     let are_apart = |homes: &[DVec3]| {

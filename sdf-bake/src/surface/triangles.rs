@@ -9,14 +9,14 @@ use super::place::Shape;
 /// Vertices of the four cells around a lattice edge, counter-clockwise from outside.
 pub(super) type Quad = [u32; 4];
 
-/// Share of the inset below which the least height of a triangle counts as none.
+/// Share of the inset below which the least height of a triangle counts as zero.
 const FLAT: f64 = 0.25;
 
-/// How quads become triangles.
+/// Rule for splitting quads into triangles.
 pub(super) struct Split {
     /// Distance between voxels [m].
     pub(super) voxel: f64,
-    /// As [`super::settle::inset`].
+    /// Inset from [`super::settle::inset`].
     pub(super) inset: f64,
 }
 
@@ -48,8 +48,8 @@ fn around(map: &CellMap, voxel: IVec3, axis: usize) -> Quad {
 }
 
 impl Split {
-    /// Two triangles of a quad, with the diagonal that fits the surface, or the other where that one leaves a triangle
-    /// without area.
+    /// Splits a quad into two triangles along the diagonal that fits the surface, or along the other if the first gives
+    /// a triangle of zero area.
     pub(super) fn triangles(&self, quad @ [a, b, c, d]: Quad, vertices: &[Corner]) -> [[u32; 3]; 2] {
         let corners = quad.map(|vertex| vertices[vertex as usize]);
         let fits = fits_first(corners);
@@ -58,7 +58,7 @@ impl Split {
         if fits == (kept >= self.flat() || kept >= other) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     }
 
-    /// True if both diagonals of a quad leave a triangle without area.
+    /// True if both diagonals of a quad give a triangle of zero area.
     pub(super) fn is_flat(&self, corners: [Corner; 4]) -> bool {
         self.heights(corners).into_iter().all(|height| height < self.flat())
     }
@@ -67,7 +67,7 @@ impl Split {
         FLAT * self.inset * self.voxel
     }
 
-    /// For both diagonals the least height of their triangles [m], as single precision has it.
+    /// For both diagonals, the least height of their triangles [m] in single precision.
     fn heights(&self, corners: [Corner; 4]) -> [f64; 2] {
         let [p, q, r, s] = corners.map(|corner| (corner.at * self.voxel).as_vec3().as_dvec3());
         [height([p, q, r]).min(height([p, r, s])), height([p, q, s]).min(height([q, r, s]))]
@@ -80,14 +80,14 @@ pub(super) fn split(corners: [Corner; 4]) -> [[DVec3; 3]; 2] {
     if fits_first(corners) { [[p, q, r], [p, r, s]] } else { [[p, q, s], [q, r, s]] }
 }
 
-/// The least height of a triangle.
+/// Least height of a triangle.
 fn height([a, b, c]: [DVec3; 3]) -> f64 {
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
     if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
 }
 
-/// Whether the first diagonal fits the surface: at an outer edge that which stands out, at an inner one that which lies
-/// deeper, elsewhere the shorter.
+/// True if the first diagonal fits the surface: the outer one at an outer edge, the deeper one at an inner edge,
+/// otherwise the shorter one.
 fn fits_first(corners: [Corner; 4]) -> bool {
     let [p, q, r, s] = corners.map(|corner| corner.at);
     let shapes = corners.map(|corner| corner.shape);

@@ -1,4 +1,4 @@
-//! Reading a baked field voxel by voxel, and an exact second opinion on its sign.
+//! Reads a baked field voxel by voxel, and computes its sign by an independent exact method.
 #![allow(dead_code, reason = "each test program uses some of them")]
 
 use std::f64::consts::PI;

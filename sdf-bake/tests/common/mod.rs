@@ -20,7 +20,7 @@ pub(crate) const CUBE: [[u32; 3]; 12] = [
     [1, 7, 5],
 ];
 
-/// A cube with outward triangles; corner i is at the bits of i.
+/// A cube with outward triangles; the bits of i give the position of corner i.
 pub(crate) fn cube(low: DVec3, side: f64) -> Mesh {
     let bit = |i: u32, axis: u32| f64::from(i >> axis & 1);
     Mesh {
@@ -58,7 +58,7 @@ pub(crate) fn stl_ascii(mesh: &Mesh) -> String {
     text + "endsolid part\n"
 }
 
-/// A PLY with an extra vertex property, an extra element, and triangles or quads.
+/// A PLY file with an extra vertex property, an extra element, and triangles or quads.
 pub(crate) fn ply(mesh: &Mesh, encoding: &str, faces: &[Vec<u32>]) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {encoding} 1.0\ncomment made by a test\nelement vertex {}\nproperty float x\nproperty double y\n\
@@ -101,7 +101,7 @@ pub(crate) fn gltf_buffer(positions: &[DVec3], indices: &[u32]) -> Vec<u8> {
     bytes
 }
 
-/// The JSON of a glTF of one primitive; `buffer` is what its buffer says besides the length, `node` the root's fields.
+/// JSON of a glTF with one primitive; `buffer` holds the buffer's fields besides the length, `node` the root's fields.
 pub(crate) fn gltf_json(positions: usize, indices: usize, buffer: &str, primitive: &str, node: &str) -> String {
     let split = 12 * positions;
     let length = (split + 2 * indices).next_multiple_of(4);

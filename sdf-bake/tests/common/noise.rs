@@ -1,6 +1,6 @@
-//! Numbers that look random but are always the same.
+//! Deterministic pseudorandom numbers.
 
-/// A number from 0 to 1 that looks random but is always the same (SplitMix64, Steele et al. 2014).
+/// Deterministic pseudorandom number from 0 to 1 (SplitMix64, Steele et al. 2014).
 pub(crate) fn noise(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,4 +1,4 @@
-//! Parts made by formula, as fine as a test or benchmark asks: a gear of even triangles and a plate of long slivers.
+//! Parts made by formula with any resolution: a gear of even triangles and a plate of long slivers.
 #![allow(dead_code, reason = "each test program uses some of them")]
 
 use std::f64::consts::TAU;
@@ -11,7 +11,7 @@ use sdf_bake::Mesh;
 /// `around` points on the circumference, `rows` rows of quads on each of its four faces: 8 · around · rows triangles.
 pub(crate) fn gear(around: u32, rows: u32) -> Mesh {
     let outer = |angle: f64| 0.036 + 0.004 * (3.0 * (24.0 * angle).sin()).tanh();
-    // Once around the cross section: bore upwards, top outwards, flanks downwards, bottom inwards.
+    // Around the cross section: bore upwards, top outwards, flanks downwards, bottom inwards.
     let section = |step: u32, angle: f64| {
         let along = f64::from(step % rows) / f64::from(rows);
         let (inner, outer) = (0.012, outer(angle));
@@ -83,19 +83,19 @@ pub(crate) fn plate(low: DVec3, high: DVec3) -> Mesh {
 /// A straight bead of parabolic section with flat ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bead {
-    /// Sizes [m]: between the ends, between the toes, above z = 0, below it.
+    /// Distance between the ends, distance between the toes, height above z = 0, depth below it [m].
     pub(crate) length: f64,
     pub(crate) width: f64,
     pub(crate) height: f64,
     pub(crate) root: f64,
-    /// Chords of the outline between the toes.
+    /// Number of chords of the outline between the toes.
     pub(crate) chords: u32,
-    /// Angle of its length against x [rad].
+    /// Angle of its axis to x [rad].
     pub(crate) turn: f64,
 }
 
 impl Bead {
-    /// Volume above z = 0 [m³]: the parabola's 2/3 w h l, less what its chords cut off.
+    /// Volume above z = 0 [m³]: the parabola's 2/3 w h l, minus the part that its chords cut off.
     pub(crate) fn volume_above(&self) -> f64 {
         let chords = f64::from(self.chords);
         2.0 / 3.0 * self.width * self.height * self.length * (1.0 - 1.0 / (chords * chords))

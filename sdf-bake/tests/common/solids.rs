@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// Below 0 inside; at most as large as the distance to the surface, in the mesh's unit.
+/// Negative inside; the magnitude is at most the distance to the surface, in the mesh's unit.
 type Depth = Box<dyn Fn(DVec3) -> f64 + Sync + Send>;
 
 /// A solid of 12 to 20 units, to be scaled to voxels.
@@ -13,7 +13,7 @@ pub(crate) struct Solid {
     pub(crate) depth: Depth,
 }
 
-/// An upright prism over a polygon, counter-clockwise from above, whose first corner sees all others.
+/// A vertical prism over a polygon, counter-clockwise from above, whose first corner sees all others.
 fn prism(outline: &[(f64, f64)], low: f64, high: f64) -> Mesh {
     let count = outline.len() as u32;
     let ring = |z: f64| outline.iter().map(move |&(x, y)| DVec3::new(x, y, z));
@@ -73,7 +73,7 @@ fn ball(centre: DVec3, radius: f64) -> Mesh {
     mesh
 }
 
-/// Height over the highest of a convex mesh's planes.
+/// Height above the highest plane of a convex mesh.
 fn convex(mesh: &Mesh) -> Depth {
     let mut planes: Vec<(DVec3, f64)> = Vec::new();
     for t in 0..mesh.triangles.len() {
@@ -103,7 +103,7 @@ fn turned_inside_out(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Solids around lattice points: flat and sloped faces, a hole, a cavity, two bodies that overlap.
+/// Solids around lattice points: flat and sloped faces, a hole, a cavity, two overlapping bodies.
 pub(crate) fn twelve() -> Vec<Solid> {
     let v = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let hexagon: Vec<(f64, f64)> = (0..6)

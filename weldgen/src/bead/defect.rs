@@ -1,6 +1,6 @@
 //! Imperfections of a bead, each with its name and number in ISO 6520-1, whose limits ISO 5817 gives.
 //!
-//! Sizes are drawn around what ISO 5817 allows at level D (moderate), so that some are within and some beyond.
+//! Sizes are drawn around the limits of ISO 5817 at level D (moderate), so that some are within and some beyond.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,17 +13,17 @@ use serde::Serialize;
 use super::loft::loft;
 use crate::curve::WeldCurve;
 
-/// What is wrong.
+/// Kind of imperfection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DefectKind {
     /// A gas pore that breaks the surface (2017).
     SurfacePore,
-    /// Weld metal that sank: the crown is low over a stretch (509).
+    /// Sagged weld metal: the crown is low over a stretch (509).
     Sagging,
     /// Weld metal that flowed over the face beside the toe without fusing to it (506).
     Overlap,
-    /// A groove that was melted into the part along a toe and not filled (5012, intermittent undercut).
+    /// An unfilled groove melted into the part along a toe (5012, intermittent undercut).
     Undercut,
     /// A hole where the weld pool fell through (510).
     BurnThrough,
@@ -45,30 +45,31 @@ impl DefectKind {
     }
 }
 
-/// One imperfection, as made.
+/// One imperfection, with its actual sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Defect {
-    /// What is wrong.
+    /// Kind of imperfection.
     pub kind: DefectKind,
-    /// Arc length of its middle [m].
+    /// Arc length of its centre [m].
     pub arc_length: f64,
-    /// Offset of its middle to the left [m].
+    /// Offset of its centre to the left [m].
     pub offset: f64,
-    /// Diameter of a pore, drop or hole, length of the others along the weld [m].
+    /// Diameter of a pore, drop or hole; length of the others along the weld [m].
     pub size: f64,
-    /// Depth below the surface without it [m]; for spatter the height above it, for an overlap how far it hangs over.
+    /// Depth below the surface without the imperfection [m]; height above it for spatter, overhang for an overlap.
     pub depth: f64,
 }
 
 impl Defect {
-    /// Share, 0 to 1, of its depth at an arc length [m]: a bell as long as it is.
+    /// Share of its depth at an arc length [m], 0 to 1: a raised cosine over its length.
     pub(crate) fn swell(&self, s: f64) -> f64 {
         let along = 2.0 * (s - self.arc_length) / self.size;
         0.5 + 0.5 * (PI * along.clamp(-1.0, 1.0)).cos()
     }
 }
 
-/// Pores of a bead of a length, a width and a height [m]: 0.25 to 0.35 widths across, 0.3 to 0.6 heights deep.
+/// Draws pores for a bead of given length, width and height [m]: 0.25 to 0.35 widths in diameter, 0.3 to 0.6 heights
+/// deep.
 pub(crate) fn pores(count: u32, [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Vec<Defect> {
     let mut pore = || Defect {
         kind: DefectKind::SurfacePore,
@@ -80,7 +81,7 @@ pub(crate) fn pores(count: u32, [length, width, height]: [f64; 3], rng: &mut imp
     (0..count).map(|_| pore()).collect()
 }
 
-/// A sag one and a half to three widths long, of a depth in heights.
+/// Draws a sag of given depth [heights], one and a half to three widths long.
 pub(crate) fn sag(depth: f64, [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Option<Defect> {
     (depth > 0.0).then(|| Defect {
         kind: DefectKind::Sagging,
@@ -91,9 +92,9 @@ pub(crate) fn sag(depth: f64, [length, width, height]: [f64; 3], rng: &mut impl 
     })
 }
 
-/// A lobe over one of the toes, one and a half to three widths long.
+/// Draws a lobe over one of the toes, one and a half to three widths long.
 ///
-/// - `reach`: how far it hangs over, in widths
+/// - `reach`: overhang [widths]
 pub(crate) fn overlap(reach: f64, [length, width, _]: [f64; 3], rng: &mut impl RngExt) -> Option<Defect> {
     (reach > 0.0).then(|| Defect {
         kind: DefectKind::Overlap,
@@ -104,11 +105,11 @@ pub(crate) fn overlap(reach: f64, [length, width, _]: [f64; 3], rng: &mut impl R
     })
 }
 
-/// Places tried for one drop of spatter: a strip of ground with room for a drop in one of twenty places is found in all but
-/// one of a thousand.
+/// Positions tried for one drop of spatter. If a drop fits at one of twenty positions, one is found in all but one of a
+/// thousand cases.
 const TRIES: usize = 128;
 
-/// Ground for drops of spatter beside a bead.
+/// Surface beside a bead on which drops of spatter lie.
 #[derive(Clone, Copy)]
 pub(crate) struct Ground<'a> {
     pub(crate) curve: &'a WeldCurve,
@@ -121,8 +122,8 @@ pub(crate) struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Drops on the part, 0.8 to 2 widths beside the centreline and clear of the bead, 0.2 to 0.3 widths across. There are
-    /// fewer where the part has no ground beside the bead.
+    /// Draws drops on the part, 0.8 to 2 widths beside the centreline and clear of the bead, 0.2 to 0.3 widths in
+    /// diameter. There are fewer where the part has no surface beside the bead.
     pub(crate) fn spatter(&self, count: u32, rng: &mut impl RngExt) -> (Vec<Defect>, Mesh) {
         let (mut defects, mut drops) = (Vec::new(), Mesh::default());
         for _ in 0..count {
@@ -133,7 +134,7 @@ impl Ground<'_> {
         (defects, drops)
     }
 
-    /// A drop at a place drawn, if there is room.
+    /// Returns a drop at a random position, if it fits there.
     fn drop(&self, rng: &mut impl RngExt) -> Option<(Mesh, Defect)> {
         let Self { curve, width, .. } = *self;
         let point = &curve.points[(rng.random::<f64>() * curve.points.len() as f64) as usize];
@@ -149,9 +150,9 @@ impl Ground<'_> {
     }
 }
 
-/// Height of a drop's centre above the surface, in radii.
+/// Height of a drop's centre above the surface [radii].
 const SUNK: f64 = 0.3;
-/// Meridians of a drop, and rows from pole to pole.
+/// Number of meridians of a drop, and of rows from pole to pole.
 const DROP: [u32; 2] = [16, 8];
 
 /// A closed sphere.

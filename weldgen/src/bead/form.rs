@@ -1,7 +1,8 @@
-//! What a welder's hand leaves on a bead: ripples, craters, weaving, slow changes of width and height.
+//! Form deviations of manual beads: ripples, craters, weaving, slow changes of width and height.
 //!
-//! Everything is a function of the place on the bead: heights above the toes are multiplied by a positive factor, offsets
-//! to the side are scaled and shifted. So the toes stay on the surface and the bead stays free of self-intersection.
+//! Every deviation is a function of the position on the bead. Heights above the toes are multiplied by a positive
+//! factor, and lateral offsets are scaled and shifted. So the toes stay on the surface and the bead does not intersect
+//! itself.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,17 +17,17 @@ use crate::dials::{
     SAGGING, SPATTER, START_HUMP, UNDERCUT, WEAVE, WEAVE_PITCH, WIDTH_VARIATION,
 };
 
-/// Least share of the crown's height that ripples, crater and variation together leave.
+/// Least factor of the crown's height after ripples, crater and variation.
 const LEAST_HEIGHT: f64 = 0.1;
 
-/// Pores and drops of spatter that a bead may be asked to have, each.
+/// Greatest number of pores of a bead, and of drops of spatter.
 pub const MOST_DEFECTS: u32 = 1000;
-/// Burnt holes that a bead may be asked to have.
+/// Greatest number of burnt holes of a bead.
 pub const MOST_HOLES: u32 = 10;
 
-/// Largest width of an undercut's groove, in bead widths.
+/// Greatest width of an undercut's groove [bead widths].
 pub(crate) const WIDEST_GROOVE: f64 = 0.3;
-/// Height of an overlap's lobe above the toes, in bead heights.
+/// Height of an overlap's lobe above the toes [bead heights].
 const LOBE_HEIGHT: f64 = 0.5;
 
 /// Ripples: the solidified edges of the weld pool.
@@ -34,31 +35,31 @@ const LOBE_HEIGHT: f64 = 0.5;
 pub struct Ripples {
     /// Distance between ripples along the weld [m].
     pub pitch: f64,
-    /// Height from trough to crest, in bead heights.
+    /// Height from trough to crest [bead heights].
     pub height: f64,
-    /// How far a ripple trails behind at the toes, in bead widths: 0 is straight across, 0.5 half round.
+    /// Distance by which a ripple trails at the toes [bead widths]: 0 is straight across, 0.5 a half circle.
     pub chevron: f64,
 }
 
-/// The hollow where the arc was put out, and the hump where it was struck.
+/// The crater where the arc was extinguished, and the hump where it was struck.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Crater {
-    /// Depth at the end of the weld, in bead heights (ISO 6520-1: 2025, end crater pipe or crater).
+    /// Depth at the end of the weld [bead heights] (ISO 6520-1: 2025, end crater pipe or crater).
     pub depth: f64,
-    /// Height of the hump at the start beyond the bead, in bead heights.
+    /// Height of the hump at the start, above the bead [bead heights].
     pub hump: f64,
 }
 
 /// Weaving of the torch across the seam.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Weave {
-    /// Largest offset to the sides [m].
+    /// Greatest lateral offset [m].
     pub amplitude: f64,
-    /// Length of one swing to and fro [m].
+    /// Length of one oscillation along the weld [m].
     pub pitch: f64,
 }
 
-/// What is asked of a bead's form; all `None` and 0 is a plain bead.
+/// Requested form of a bead; all `None` and 0 is a plain bead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FormRequest {
     /// Ripples.
@@ -67,19 +68,19 @@ pub struct FormRequest {
     pub crater: Option<Crater>,
     /// Weaving.
     pub weave: Option<Weave>,
-    /// Largest slow change of the width, in widths.
+    /// Greatest slow change of the width [widths].
     pub width_variation: f64,
-    /// Largest slow change of the height, in heights.
+    /// Greatest slow change of the height [heights].
     pub height_variation: f64,
     /// Number of surface pores.
     pub pores: u32,
-    /// Depth of a sag, in heights; 0 for none.
+    /// Depth of a sag [heights]; 0 for none.
     pub sagging: f64,
     /// Number of drops of spatter.
     pub spatter: u32,
-    /// How far a lobe hangs over a toe, in widths; 0 for none.
+    /// Overhang of a lobe over a toe [widths]; 0 for none.
     pub overlap: f64,
-    /// Depth of a groove along a toe, in heights; 0 for none.
+    /// Depth of a groove along a toe [heights]; 0 for none.
     pub undercut: f64,
     /// Number of holes through bead and part.
     pub burn_through: u32,
@@ -91,7 +92,7 @@ pub struct BeadForm {
     request: FormRequest,
     /// Length of the centreline and width of the bead [m].
     size: [f64; 2],
-    /// Slow changes between -1 and 1 of width and height.
+    /// Slow changes of width and height, between -1 and 1.
     slow: [CurvatureProfile; 2],
     /// Pores, sags and overlaps.
     defects: Vec<Defect>,
@@ -99,10 +100,10 @@ pub struct BeadForm {
 }
 
 impl FormRequest {
-    /// Checks every part of it for a bead of a width [m].
+    /// Checks all values of the request for a bead of a given width [m].
     ///
     /// # Errors
-    /// The first part that is out of range.
+    /// The first value that is out of range.
     pub fn check(&self, width: f64) -> Result<(), DialFault> {
         let lengths = self.lengths(width).into_iter().map(|(Dial { name: dial, .. }, length, [low, high])| {
             let (lowest, highest) = (shown_mm(low * width), shown_mm(high * width));
@@ -118,7 +119,7 @@ impl FormRequest {
         lengths.chain(shares).find(|(good, _)| !good).map_or(Ok(()), |(_, fault)| Err(fault))
     }
 
-    /// Lengths [m] that are asked for, and their range in bead widths.
+    /// Requested lengths [m] with their accepted ranges [bead widths].
     fn lengths(&self, width: f64) -> Vec<(Dial, f64, [f64; 2])> {
         let mut lengths = Vec::new();
         if let Some(ripples) = self.ripples {
@@ -126,13 +127,13 @@ impl FormRequest {
         }
         if let Some(Weave { amplitude, pitch }) = self.weave {
             lengths.push((WEAVE, amplitude, [0.0, 0.5]));
-            // Steeper swings would fold the bead.
+            // With steeper oscillations the bead would fold over.
             lengths.push((WEAVE_PITCH, pitch, [1.5 + TAU * amplitude / width, 1e3]));
         }
         lengths
     }
 
-    /// Shares and counts that are asked for.
+    /// Requested shares and counts.
     fn shares(&self) -> [(Dial, f64); 12] {
         let Ripples { height, chevron, .. } = self.ripples.unwrap_or(Ripples { pitch: 0.0, height: 0.0, chevron: 0.0 });
         let Crater { depth, hump } = self.crater.unwrap_or(Crater { depth: 0.0, hump: 0.0 });
@@ -153,7 +154,7 @@ impl FormRequest {
         ]
     }
 
-    /// Farthest that something at this distance [m] from the centreline may get.
+    /// Greatest distance from the centreline [m] that a point at this nominal distance [m] can reach.
     pub(crate) fn half_reach(&self, half_width: f64) -> f64 {
         let groove = if self.undercut > 0.0 { WIDEST_GROOVE } else { 0.0 };
         let beside = 2.0 * self.overlap.max(groove);
@@ -162,7 +163,7 @@ impl FormRequest {
 }
 
 impl BeadForm {
-    /// The form of a bead of a length, a width and a height [m].
+    /// Draws the form of a bead of given length, width and height [m].
     ///
     /// Slow changes are random, with a correlation length of three widths.
     pub fn new(request: FormRequest, size @ [length, width, height]: [f64; 3], rng: &mut impl RngExt) -> Self {
@@ -175,45 +176,45 @@ impl BeadForm {
         Self { request, size: [length, width], slow, defects, height }
     }
 
-    /// Pores, sags and overlaps of the bead's outline, before weave and width variation.
+    /// Pores, sags and overlaps relative to the bead's outline, before weaving and width variation.
     pub fn defects(&self) -> &[Defect] {
         &self.defects
     }
 
-    /// Pores, sags and overlaps where they lie beside the centreline.
+    /// Pores, sags and overlaps at their actual offsets from the centreline.
     pub fn made_defects(&self) -> Vec<Defect> {
         let made = |defect: &Defect| Defect { offset: self.made_offset(defect.arc_length, defect.offset), ..*defect };
         self.defects.iter().map(made).collect()
     }
 
-    /// Offset to the left of the centreline [m] of a place of the bead's outline, at an arc length [m].
+    /// Actual offset to the left of the centreline [m] of a point of the bead's outline, at an arc length [m].
     pub(crate) fn made_offset(&self, s: f64, outline_offset: f64) -> f64 {
         self.shift(s) + self.width_factor(s) * outline_offset
     }
 
-    /// Farthest that something at this distance [m] from the centreline may get.
+    /// Greatest distance from the centreline [m] that a point at this nominal distance [m] can reach.
     pub(crate) fn half_reach(&self, half_width: f64) -> f64 {
         self.request.half_reach(half_width)
     }
 
-    /// Factor of the width at an arc length [m].
+    /// Factor on the width at an arc length [m].
     pub fn width_factor(&self, s: f64) -> f64 {
         1.0 + self.request.width_variation * self.slow[0].at(s)
     }
 
-    /// Factor of the height at an arc length [m], without ripples.
+    /// Factor on the height at an arc length [m], without ripples.
     pub fn height_factor(&self, s: f64) -> f64 {
         1.0 + self.request.height_variation * self.slow[1].at(s)
     }
 
-    /// Shift of the bead to the left at an arc length [m]; it swings in over the first half width and out over the last.
+    /// Shift of the bead to the left at an arc length [m]; it fades in over the first half width and out over the last.
     pub fn shift(&self, s: f64) -> f64 {
         let [length, width] = self.size;
         let fade = (2.0 * s.min(length - s) / width).clamp(0.0, 1.0);
         self.request.weave.map_or(0.0, |weave| fade * weave.amplitude * (TAU * s / weave.pitch).sin())
     }
 
-    /// Factor of the height above the toes at a place: arc length [m], beyond the ends too, and offset to the side [m]
+    /// Factor on the height above the toes at a position: arc length [m], also beyond the ends, and lateral offset [m]
     /// before scaling.
     pub fn relief(&self, s: f64, y: f64) -> f64 {
         let [length, width] = self.size;
@@ -225,7 +226,7 @@ impl BeadForm {
         if let Some(Ripples { pitch, height, chevron }) = self.request.ripples {
             let trail = chevron * width * (2.0 * y / width).powi(2);
             let phase = ((s + trail) / pitch).rem_euclid(1.0);
-            // Ripples rise slowly and fall steeply behind: half a sine, squeezed to the back.
+            // Ripples rise slowly and fall steeply behind: half a sine, skewed backwards.
             factor *= 1.0 + height * ((PI * phase.powf(RIPPLE_SKEW)).sin() - 0.5);
         }
         for defect in &self.defects {
@@ -241,13 +242,13 @@ impl BeadForm {
         factor.max(LEAST_HEIGHT)
     }
 
-    /// Shift to the left [m] of a point of the outline at an offset y and a height above the toes [m]: lobes that hang
-    /// over a toe.
+    /// Shift to the left [m] of an outline point at an offset y and a height above the toes [m]: lobes that overhang a
+    /// toe.
     ///
     /// ```text
     ///      '-.
     ///         '-.__
-    ///          .___)   lobe, farthest out at a quarter of the bead's height
+    ///          .___)   lobe, with its greatest overhang at a quarter of the bead's height
     ///   ------o----------
     /// ```
     pub fn lobe(&self, s: f64, y: f64, above: f64) -> f64 {
@@ -261,5 +262,5 @@ impl BeadForm {
     }
 }
 
-/// Below 1 it moves the crest of a ripple towards where the weld came from.
+/// Skew exponent of ripples; below 1 the crest moves towards the weld's start.
 const RIPPLE_SKEW: f64 = 0.7;

@@ -1,10 +1,10 @@
-//! Closed bodies from rings of points.
+//! Closed meshes from rings of points.
 
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// The skin over rings of equally many points, closed by a tip at each end; normals outwards if the rings turn
-/// counter-clockwise seen from the last tip.
+/// Lofts a surface over rings with equal numbers of points, closed by a tip at each end. Normals point outwards if the
+/// rings run counter-clockwise seen from the last tip.
 pub(crate) fn loft(rings: &[Vec<DVec3>], [first, last]: [DVec3; 2]) -> Mesh {
     let around = rings.first().map_or(0, Vec::len) as u32;
     let mut positions = vec![first, last];

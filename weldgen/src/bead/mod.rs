@@ -31,7 +31,7 @@ pub enum BeadShape {
     Parabolic,
     /// The arc of a circle through toes and crown; H at most w/2.
     CircularSegment,
-    /// `|2y/w|ⁿ + (z/H)ⁿ = 1` with n = 2.5: a flat crown and steep toes, as of a cold weld.
+    /// `|2y/w|ⁿ + (z/H)ⁿ = 1` with n = 2.5: a flat crown and steep toes, as in a cold weld.
     Superellipse,
     /// In a corner: a parabola between toes that lie on both faces, above the chord (convex) or below it (concave).
     Fillet,
@@ -53,7 +53,7 @@ pub struct BeadProfile {
     pub height: f64,
     /// The outline.
     pub shape: BeadShape,
-    /// Height of the toes above the centreline [m]: 0 on a face, where they meet the walls in a corner.
+    /// Height of the toes above the centreline [m]: 0 on a face; in a corner, the height at which they meet the walls.
     pub toe_height: f64,
 }
 
@@ -71,13 +71,13 @@ impl BeadProfile {
     /// A fillet in a corner.
     ///
     /// - `opening`: angle between the walls [rad]
-    /// - `convexity`: rise of its face above the chord between the toes, in widths; below 0 it is concave
+    /// - `convexity`: rise of its face above the chord between the toes [widths]; concave below 0
     pub fn fillet(width: f64, opening: f64, convexity: f64) -> Self {
         let toe_height = 0.5 * width / (0.5 * opening).tan();
         Self { width, height: toe_height + convexity * width, shape: BeadShape::Fillet, toe_height }
     }
 
-    /// Height z [m] of the outline at `y` [m] from the centreline. Parabola and circle go on below the toes.
+    /// Height z [m] of the outline at `y` [m] from the centreline. Parabola and circle continue below the toes.
     pub fn height_at(&self, y: f64) -> f64 {
         let (share, rise) = ((2.0 * y / self.width).abs(), self.height - self.toe_height);
         self.toe_height
@@ -99,7 +99,7 @@ impl BeadProfile {
         (radius * radius - y * y).max(0.0).sqrt() - (radius - self.height)
     }
 
-    /// Angle [rad] between the surface and the outline at a toe on a face; the contact angle.
+    /// Contact angle [rad]: angle between the surface and the outline at a toe on a face.
     pub fn toe_angle(&self) -> f64 {
         match self.shape {
             BeadShape::Parabolic => (4.0 * self.height / self.width).atan(),
@@ -112,8 +112,8 @@ impl BeadProfile {
         }
     }
 
-    /// Radius r [m] of the field's smooth union (`sdf_bake::Combine::SmoothUnion`) that rounds the toes so that they are
-    /// nowhere sharper than `toe_radius` [m].
+    /// Radius r [m] of the field's smooth union (`sdf_bake::Combine::SmoothUnion`) that rounds the toes to a radius of
+    /// at least `toe_radius` [m].
     ///
     /// Between two planes at the toe angle α the blend is a parabola, (φ+ψ)/2 = r/4 + (φ−ψ)²/(4r); its least radius of
     /// curvature is r cos(α/2) / (2 sin²(α/2)).
@@ -122,7 +122,7 @@ impl BeadProfile {
         2.0 * toe_radius * half_angle.sin().powi(2) / half_angle.cos()
     }
 
-    /// Distance y [m] from the centreline to which the bead reaches with a root this deep [m].
+    /// Distance y [m] from the centreline that the bead reaches at a root depth [m].
     pub fn half_width_at(&self, depth: f64) -> f64 {
         let toe = 0.5 * self.width;
         match self.shape {
@@ -132,18 +132,18 @@ impl BeadProfile {
                 (radius * radius - below.max(0.0).powi(2)).sqrt()
             }
             BeadShape::Superellipse => toe,
-            // The outline goes on into both walls as far as the root is deep.
+            // The outline continues into both walls to the root's depth.
             BeadShape::Fillet => toe + depth,
         }
     }
 
-    /// (y, z) [m] of the left half of the outline, from the crown to the end of the root.
+    /// Points (y, z) [m] of the left half of the outline, from the crown to the end of the root.
     pub(crate) fn half_outline(&self, root_depth: f64) -> Vec<(f64, f64)> {
         let (toe, base) = (0.5 * self.width, self.half_width_at(root_depth));
         let above = (0..=HALF_SEGMENTS).map(|i| {
             let share = i as f64 / HALF_SEGMENTS as f64;
             match self.shape {
-                // Even in the angle, because the toe is upright.
+                // Even steps in the angle, because the outline is vertical at the toe.
                 BeadShape::Superellipse => {
                     let (sin, cos) = (FRAC_PI_2 * share).sin_cos();
                     let power = 2.0 / EXPONENT;
@@ -169,7 +169,7 @@ impl BeadProfile {
 
     /// Area [m²] of the section down to the root.
     ///
-    /// A parabola's is 4/3 b (H + root) with b half the width of its base; the others' are those of their polygons.
+    /// A parabola's is 4/3 b (H + root), with b half the width of its base; those of the others are areas of polygons.
     pub fn section_area(&self, root_depth: f64) -> f64 {
         if self.shape == BeadShape::Parabolic {
             return 4.0 / 3.0 * self.half_width_at(root_depth) * (self.height + root_depth);
@@ -180,17 +180,17 @@ impl BeadProfile {
         doubled.abs()
     }
 
-    /// Volume [m³] of the bead on flat ground: the section along `length` [m], and half of its solid of revolution at
-    /// each end.
+    /// Volume [m³] of the bead on a flat surface: the section swept along `length` [m], and half of its solid of
+    /// revolution at each end.
     ///
-    /// By Pappus' theorem the length is that of the path of the section's centroid; a symmetric section's centroid is
-    /// on the centreline, so curvature within the plane changes nothing.
+    /// By Pappus' theorem the relevant length is that of the path of the section's centroid. A symmetric section's
+    /// centroid is on the centreline, so curvature within the plane changes nothing.
     pub fn swept_volume(&self, length: f64, root_depth: f64) -> f64 {
         self.section_area(root_depth) * length + self.end_volume(root_depth)
     }
 
-    /// Volume [m³] of both ends: a turn of the section's half about the normal, or of a fillet the section shrinking in
-    /// a half ellipse.
+    /// Volume [m³] of both ends: one revolution of half the section about the normal; for a fillet, the section
+    /// shrinking along a half ellipse.
     fn end_volume(&self, root_depth: f64) -> f64 {
         match self.shape {
             BeadShape::Parabolic => 0.5 * PI * self.half_width_at(root_depth).powi(2) * (self.height + root_depth),

@@ -1,4 +1,4 @@
-//! From a curve and a section to a closed mesh.
+//! Sweeps a section along a curve to a closed mesh.
 
 use std::f64::consts::PI;
 
@@ -11,12 +11,12 @@ use thiserror::Error;
 use super::{BeadForm, BeadProfile, BeadShape, FormRequest};
 use crate::curve::{CurvePoint, WeldCurve};
 
-/// Steps of half a turn around each end.
+/// Number of steps of the half revolution at each end.
 const CAP_STEPS: usize = 24;
-/// Largest curvature times half the width of the bead's base.
+/// Greatest product of curvature and half the width of the bead's base.
 const TIGHTEST_TURN: f64 = 0.9;
 
-/// Why no bead can be swept.
+/// Reason why no bead can be swept.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BeadError {
     /// A dimension is not a positive number.
@@ -29,7 +29,7 @@ pub enum BeadError {
         /// Root depth given [m].
         root_depth: f64,
     },
-    /// The curve has no length.
+    /// The curve has fewer than two points.
     #[error("the curve has {0} points; at least 2 are needed")]
     TooShort(usize),
     /// The curve turns too tightly in the surface for this width.
@@ -38,11 +38,11 @@ pub enum BeadError {
          must stay below 0.9: use a narrower bead or a straighter curve"
     )]
     TooTight {
-        /// Where [m].
+        /// Arc length of the fault [m].
         arc_length: f64,
-        /// κ_g there [1/m].
+        /// Geodesic curvature κ_g there [1/m].
         curvature: f64,
-        /// The product found.
+        /// Curvature times half the width of the base.
         product: f64,
     },
     /// Neighbouring sections cross: the surface bends or twists too tightly for this bead.
@@ -50,13 +50,14 @@ pub enum BeadError {
     Folded(f64),
 }
 
-/// Sweeps a bead along a curve: a closed mesh, every edge shared by exactly two triangles, normals outwards.
+/// Sweeps a bead along a curve. Returns a closed mesh: every edge is shared by exactly two triangles, and normals point
+/// outwards.
 ///
-/// - `root_depth`: how far the bead's flat bottom lies below the tangent plane [m]; choose it so that the toes are
-///   under the surface everywhere
+/// - `root_depth`: depth of the bead's flat bottom below the tangent plane [m]; it must put the toes below the surface
+///   everywhere
 ///
-/// Both ends are half of the section's solid of revolution about the normal. Sections are as dense as the curve's
-/// points and chords cut the outline, so the volume is short of the closed form by about 0.1 %.
+/// Both ends are half of the section's solid of revolution about the normal. There is one section per curve point, and
+/// chords cut the outline, so the volume is about 0.1 % below the closed form.
 pub fn sweep(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Result<Mesh, BeadError> {
     let plain = BeadForm::new(
         FormRequest::default(),
@@ -66,9 +67,9 @@ pub fn sweep(curve: &WeldCurve, profile: &BeadProfile, root_depth: f64) -> Resul
     sweep_formed(curve, profile, &plain, root_depth)
 }
 
-/// As [`sweep`], with ripples, craters and the like.
+/// [`sweep`] with form deviations such as ripples and craters.
 ///
-/// A fillet ends in sections that shrink in a half ellipse instead, because its walls go on.
+/// A fillet ends in sections that shrink along a half ellipse, because its walls continue.
 pub fn sweep_formed(
     curve: &WeldCurve,
     profile: &BeadProfile,
@@ -118,7 +119,7 @@ fn check(curve: &WeldCurve, profile: &BeadProfile, form: &BeadForm, root_depth: 
     Ok(())
 }
 
-/// Vertices are laid out by section: the outline from right to left, then the middle of the root.
+/// Vertices are ordered by section: the outline from right to left, then the middle of the root.
 struct Builder<'a> {
     outline: Vec<(f64, f64)>,
     toe_height: f64,
@@ -132,13 +133,13 @@ impl Builder<'_> {
         self.outline.len() as u32 + 1
     }
 
-    /// Height [m] of an outline's point with the bead's form; what is at the toes or below stays.
+    /// Height [m] of an outline point with the bead's form; points at the toes or below do not change.
     fn formed(&self, s: f64, (y, z): (f64, f64)) -> f64 {
         let above = z - self.toe_height;
         if above > 0.0 { self.toe_height + above * self.form.relief(s, y) } else { z }
     }
 
-    /// A section, scaled about the centreline.
+    /// Adds a section, scaled about the centreline.
     fn section(&mut self, point: &CurvePoint, scale: f64) {
         let s = point.arc_length;
         let (factor, shift) = (self.form.width_factor(s), self.form.shift(s));
@@ -151,7 +152,7 @@ impl Builder<'_> {
         self.mesh.positions.push(point.position + shift * point.side - scale * self.root_depth * point.normal);
     }
 
-    /// Quads between a section and the next, around the whole outline and back along the root.
+    /// Adds quads between two consecutive sections, around the whole outline and back along the root.
     fn join(&mut self, [near, far]: [u32; 2]) {
         let count = self.stride();
         for j in 0..count {
@@ -161,7 +162,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Sections that shrink in a half ellipse of length `reach` [m], negative at the start, to a point.
+    /// Adds sections that shrink along a half ellipse of length `reach` [m], negative at the start, to a point.
     fn taper(&mut self, point: &CurvePoint, section: usize, reach: f64) {
         let count = self.stride();
         let mut near = section as u32 * count;
@@ -182,14 +183,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Half a turn of the outline's half about the normal, from one side of a section to the other.
+    /// Adds half a revolution of half the outline about the normal, from one side of a section to the other.
     ///
-    /// `ahead` is 1 at the last section, where the cap goes on along the tangent, and -1 at the first.
+    /// `ahead` is 1 at the last section, where the cap continues along the tangent, and -1 at the first.
     fn cap(&mut self, point: &CurvePoint, section: usize, ahead: f64) {
         let crown = self.outline.len() / 2;
         let first = section as u32 * self.stride();
         let (crown_vertex, root_vertex) = (first + crown as u32, first + self.stride() - 1);
-        // Meridians run from next to the crown down to the end of the root.
+        // Meridians run from the vertex next to the crown to the end of the root.
         let edge = |side: f64| -> Vec<u32> {
             let at = |i: u32| if side > 0.0 { crown_vertex + i } else { crown_vertex - i };
             (1..=crown as u32).map(at).collect()
@@ -207,9 +208,9 @@ impl Builder<'_> {
         }
     }
 
-    /// New vertices along the outline's left half, turned by `step` out of [`CAP_STEPS`].
+    /// Adds vertices along the outline's left half, rotated by `step` out of [`CAP_STEPS`].
     ///
-    /// The turn goes counter-clockwise seen from above: from the right over the front at the last section, from the
+    /// The rotation is counter-clockwise seen from above: from the right over the front at the last section, from the
     /// left over the back at the first.
     fn meridian(&mut self, point: &CurvePoint, crown: usize, ahead: f64, step: usize) -> Vec<u32> {
         let (sin, cos) = (PI * step as f64 / CAP_STEPS as f64).sin_cos();
@@ -227,7 +228,7 @@ impl Builder<'_> {
         (first..self.mesh.positions.len() as u32).collect()
     }
 
-    /// Each section must lie wholly ahead of the one before and behind the one after, so that none cross.
+    /// Checks that each section lies entirely between its neighbours, so that no sections cross.
     fn fits(&self, curve: &WeldCurve) -> Result<(), BeadError> {
         let count = self.outline.len();
         for (i, pair) in curve.points.windows(2).enumerate() {

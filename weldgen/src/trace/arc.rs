@@ -1,4 +1,4 @@
-//! One piece of a planar curve whose curvature changes linearly: a piece of a clothoid.
+//! A segment of a planar curve whose curvature changes linearly: a segment of a clothoid.
 
 use glam::DVec2;
 
@@ -12,7 +12,7 @@ pub(super) struct Arc {
     pub(super) slope: f64,
 }
 
-/// Largest turn [rad] of one arc: with five Gauss points the position is then exact to rounding.
+/// Greatest heading change [rad] of one arc; five Gauss points then give the position exactly to rounding.
 pub(super) const LARGEST_TURN: f64 = 0.25;
 
 /// Five-point Gauss-Legendre nodes and weights on [-1, 1].
@@ -45,9 +45,9 @@ impl Arc {
     /// Arc length at which the curve leaves the half-plane to the left of a line, within `length`.
     ///
     /// - `on`, `along`: a point of the line and its unit direction
-    /// - `slack`: how far outside still counts as on the line
+    /// - `slack`: distance outside that still counts as on the line
     ///
-    /// The arc turns one way and by no more than [`LARGEST_TURN`], so its distance from the line has at most one
+    /// The arc turns in one direction and by at most [`LARGEST_TURN`], so its distance from the line has at most one
     /// extremum:
     ///
     /// ```text
@@ -59,7 +59,7 @@ impl Arc {
             let (height, rise) = (along.perp_dot(self.start - on), along.perp_dot(self.heading));
             return (rise < 0.0 && height + rise * length < -slack).then(|| (-height / rise).max(0.0));
         }
-        // The line is out of reach: no point of the arc is farther from its start than its length.
+        // The line is out of reach: no point of the arc is farther from its start than the arc's length.
         if along.perp_dot(self.start - on) > length {
             return None;
         }
@@ -80,11 +80,12 @@ impl Arc {
     }
 }
 
-/// The zero of a function that changes sign once between `low` and `high`: Newton's method kept inside the bracket.
+/// Finds the root of a function that changes sign once between `low` and `high`: Newton's method kept inside the
+/// bracket.
 fn root(value: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let (at_low, at_high) = (value(low), value(high));
     let sign_low = at_low.signum();
-    // The chord's zero is already close, as the arcs turn little.
+    // The secant's root is already close, because the arcs turn little.
     let chord = low + (high - low) * at_low / (at_low - at_high);
     let mut x = if chord > low && chord < high { chord } else { 0.5 * (low + high) };
     for _ in 0..80 {

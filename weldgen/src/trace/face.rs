@@ -1,4 +1,4 @@
-//! A triangle laid flat: corner 0 at the origin, corner 1 on the x axis, corner 2 above it.
+//! A triangle in planar coordinates: corner 0 at the origin, corner 1 on the x axis, corner 2 above it.
 
 use glam::{DVec2, DVec3};
 use sdf_bake::Mesh;
@@ -13,17 +13,17 @@ pub(super) struct FlatFace {
     pub(super) along: [DVec2; 3],
     lengths: [f64; 3],
     space: [DVec3; 3],
-    /// Distance [m] that rounding may put a point outside.
+    /// Greatest distance [m] by which rounding may put a point outside.
     pub(super) slack: f64,
 }
 
-/// A point this many times [`FlatFace::slack`] from a corner, or nearer, is at the corner.
+/// Distance from a corner, in multiples of [`FlatFace::slack`], up to which a point is at the corner.
 const CORNER_SLACKS: f64 = 100.0;
-/// Rounding of a heading [rad] that walks along an edge.
+/// Rounding error of a heading along an edge [rad].
 const ALONG_EDGE: f64 = 1e-9;
 
 impl FlatFace {
-    /// `None` for a triangle without area.
+    /// Flattens a triangle; `None` if it has no area.
     pub(super) fn new(mesh: &Mesh, face: u32) -> Option<Self> {
         let space @ [a, b, c] = mesh.corners(face as usize);
         let base = (b - a).length();
@@ -38,7 +38,7 @@ impl FlatFace {
         Some(Self { face, corners, along, lengths, space, slack })
     }
 
-    /// Unit vectors in space along the first edge, square to it towards the third corner, and out of the part.
+    /// Unit vectors in space: along the first edge, perpendicular to it towards the third corner, and out of the part.
     pub(super) fn axes(&self) -> [DVec3; 3] {
         let [a, b, c] = self.space;
         let normal = (b - a).cross(c - a).normalize();
@@ -50,14 +50,14 @@ impl FlatFace {
         self.corners[edge]
     }
 
-    /// The end of an edge that a point of it lies at, if any.
+    /// Returns the end of an edge at which a point of the edge lies, if any.
     pub(super) fn corner_at(&self, edge: usize, point: DVec2) -> Option<usize> {
         let reach = (CORNER_SLACKS * self.slack).powi(2);
         let near = |corner: &usize| point.distance_squared(self.corners[*corner]) <= reach;
         [edge, (edge + 1) % 3].into_iter().find(near)
     }
 
-    /// Angle [rad] from the edge that leaves a corner to a direction; `None` unless it points into the triangle.
+    /// Angle [rad] from the edge that starts at a corner to a direction; `None` unless it points into the triangle.
     pub(super) fn angle_within(&self, corner: usize, direction: DVec2) -> Option<f64> {
         let (first, last) = (self.along[corner], -self.along[(corner + 2) % 3]);
         let angle_to = |other: DVec2| first.perp_dot(other).atan2(first.dot(other));
@@ -65,23 +65,23 @@ impl FlatFace {
         (-ALONG_EDGE..=angle_to(last) + ALONG_EDGE).contains(&angle).then_some(angle)
     }
 
-    /// A corner, and the direction at this angle [rad] from the edge that leaves it.
+    /// Returns a corner, and the direction at this angle [rad] from the edge that starts there.
     pub(super) fn ray_from(&self, corner: usize, angle: f64) -> (DVec2, DVec2) {
         (self.corners[corner], DVec2::from_angle(angle).rotate(self.along[corner]))
     }
 
-    /// A direction in space, projected to the triangle's plane; `None` when it is along the normal.
+    /// Projects a direction in space to the triangle's plane; `None` if it is along the normal.
     pub(super) fn flatten(&self, direction: DVec3) -> Option<DVec2> {
         let [x, y, _] = self.axes();
         DVec2::new(direction.dot(x), direction.dot(y)).try_normalize()
     }
 
-    /// The point with the given weights.
+    /// Point with the given barycentric coordinates.
     pub(super) fn lay(&self, weights: [f64; 3]) -> DVec2 {
         weights[1] * self.corners[1] + weights[2] * self.corners[2]
     }
 
-    /// Weights of the corners, clamped to the triangle and summing to 1.
+    /// Barycentric coordinates of a point, clamped to the triangle and summing to 1.
     pub(super) fn barycentric(&self, point: DVec2) -> [f64; 3] {
         let third = (point.y / self.corners[2].y).clamp(0.0, 1.0);
         let second = ((point.x - third * self.corners[2].x) / self.corners[1].x).clamp(0.0, 1.0 - third);
@@ -92,22 +92,22 @@ impl FlatFace {
         weights[0] * self.space[0] + weights[1] * self.space[1] + weights[2] * self.space[2]
     }
 
-    /// A point of an edge and a heading, relative to that edge.
+    /// Converts a point of an edge and a heading to coordinates relative to that edge.
     pub(super) fn entry(&self, edge: usize, point: DVec2, heading: DVec2) -> Entry {
         let along = self.along[edge];
         let at = (point - self.corners[edge]).dot(along);
         Entry { face: self.face, edge, at, heading: DVec2::new(along.dot(heading), along.perp_dot(heading)) }
     }
 
-    /// The inverse of [`FlatFace::entry`].
+    /// Inverse of [`FlatFace::entry`].
     pub(super) fn at_entry(&self, entry: Entry) -> (DVec2, DVec2) {
         let along = self.along[entry.edge];
         (self.corners[entry.edge] + entry.at * along, along.rotate(entry.heading).normalize())
     }
 
-    /// Point and heading carried over an edge into the neighbour, where the same edge runs the other way.
+    /// Transfers point and heading across an edge to the neighbour, where the same edge runs in the opposite direction.
     ///
-    /// The angle to the edge is kept: this is what unfolding the two triangles into one plane does.
+    /// The angle to the edge is preserved, which is equivalent to unfolding the two triangles into one plane.
     pub(super) fn unfold(
         &self,
         edge: usize,

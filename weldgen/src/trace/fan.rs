@@ -1,8 +1,8 @@
-//! The triangles around a vertex, laid side by side.
+//! The triangles around a vertex, laid out by angle.
 //!
 //! ```text
-//!       \  1  /           angles are counted counter-clockwise seen from outside,
-//!      2 \   / 0           from the edge with which triangle 0 leaves the vertex
+//!       \  1  /           angles are counter-clockwise seen from outside,
+//!      2 \   / 0           from the edge at which triangle 0 leaves the vertex
 //!   -------o-------
 //! ```
 
@@ -11,7 +11,7 @@ use sdf_bake::Mesh;
 use super::TraceEnd;
 use crate::topology::{Across, Topology};
 
-/// More triangles than any vertex of a usable mesh has.
+/// Limit on the triangles around a vertex, above that of any usable mesh.
 const MOST_WEDGES: usize = 100_000;
 
 struct Wedge {
@@ -19,11 +19,11 @@ struct Wedge {
     corner: usize,
     /// Angle of the triangle's corner [rad].
     angle: f64,
-    /// Angle between the normals over the edge to the next wedge [rad].
+    /// Angle between the normals across the edge to the next wedge [rad].
     turn: f64,
 }
 
-/// All wedges of an inner vertex, counter-clockwise.
+/// All wedges of an interior vertex, counter-clockwise.
 pub(super) struct Fan {
     wedges: Vec<Wedge>,
 }
@@ -32,17 +32,17 @@ pub(super) struct Fan {
 pub(super) struct Way {
     pub(super) face: u32,
     pub(super) corner: usize,
-    /// Angle [rad] from the edge with which the triangle leaves the corner.
+    /// Angle [rad] from the edge of the triangle that starts at the corner.
     pub(super) angle: f64,
 }
 
 impl Fan {
-    /// Goes once around a corner of a triangle; fails where the surface ends on the way.
+    /// Collects the triangles around a corner; fails if the surface ends there.
     pub(super) fn around(mesh: &Mesh, topology: &Topology, face: u32, corner: usize) -> Result<Self, TraceEnd> {
         let mut fan = Self { wedges: Vec::new() };
         let mut at = (face, corner);
         while fan.wedges.len() < MOST_WEDGES {
-            // The edge that comes back to the corner is the one that leaves it in the next triangle.
+            // The edge that ends at the corner is the one that starts there in the next triangle.
             let (next, turn) = match topology.across[at.0 as usize][(at.1 + 2) % 3] {
                 Across::Boundary => return Err(TraceEnd::Boundary),
                 Across::NonManifold => return Err(TraceEnd::NonManifold),
@@ -61,9 +61,10 @@ impl Fan {
         Err(TraceEnd::Steps)
     }
 
-    /// The direction with half of the whole angle on either side of `back` (Polthier & Schmies 1998, definition 3).
+    /// Returns the direction with half of the total angle on either side of `back` (Polthier & Schmies 1998, definition
+    /// 3).
     ///
-    /// `None` when there is an edge sharper than `sharp_angle` on both sides: a crease that runs across the way.
+    /// `None` if both sides have an edge sharper than `sharp_angle`: a crease across the path.
     pub(super) fn opposite(&self, back: f64, sharp_angle: f64) -> Option<Way> {
         let whole: f64 = self.wedges.iter().map(|wedge| wedge.angle).sum();
         let wraps = back + 0.5 * whole >= whole;

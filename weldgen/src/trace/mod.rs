@@ -1,10 +1,10 @@
-//! Tracing curves of prescribed geodesic curvature over a polyhedral surface.
+//! Traces curves of prescribed geodesic curvature over a polyhedral surface.
 //!
 //! Within a triangle the curve is planar and its heading turns by κ_g per arc length. At an edge the next triangle is
-//! unfolded into the plane of the last one, so with κ_g = 0 the curve is the straightest geodesic of Polthier &
-//! Schmies (1998); a curve that meets a vertex goes on with as much angle on its left as on its right, which is their
-//! definition. Everything happens in flat coordinates: the result is exact to rounding on the polyhedron, however long
-//! and thin its triangles are.
+//! unfolded into the plane of the last one, so with κ_g = 0 the curve is the straightest geodesic of Polthier & Schmies
+//! (1998). A curve that meets a vertex continues with equal angles on its left and right, as in their definition. All
+//! computation is in planar coordinates: the result is exact to rounding on the polyhedron, even for long and thin
+//! triangles.
 
 mod arc;
 mod face;
@@ -23,18 +23,18 @@ use fan::Fan;
 pub use section::trace_section;
 use strip::{Bounds, follow};
 
-/// Where a trace starts.
+/// Start of a trace.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceStart {
     /// Index of the triangle.
     pub face: u32,
-    /// Weights of its corners; none negative, summing to 1.
+    /// Barycentric coordinates; none negative, summing to 1.
     pub barycentric: [f64; 3],
     /// Direction of any length, projected to the triangle's plane.
     pub heading: DVec3,
 }
 
-/// When a trace stops, and where it leaves points.
+/// Length, point spacing and stop criteria of a trace.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceLimits {
     /// Arc length to trace [m].
@@ -43,7 +43,7 @@ pub struct TraceLimits {
     pub spacing: f64,
     /// Edges whose normals differ by more than this [rad] are not crossed.
     pub sharp_angle: f64,
-    /// Arcs walked and edges crossed at most: a bound on the time, whatever the mesh.
+    /// Greatest number of arcs and edge crossings: a bound on the time for any mesh.
     pub max_steps: usize,
 }
 
@@ -52,9 +52,9 @@ pub struct TraceLimits {
 pub struct TracePoint {
     /// Index of the triangle.
     pub face: u32,
-    /// Weights of its corners; none negative, summing to 1.
+    /// Barycentric coordinates; none negative, summing to 1.
     pub barycentric: [f64; 3],
-    /// Position [m]: the weighted corners.
+    /// Position [m] given by the barycentric coordinates.
     pub position: DVec3,
     /// Unit direction of travel, in the triangle's plane.
     pub tangent: DVec3,
@@ -62,20 +62,20 @@ pub struct TracePoint {
     pub normal: DVec3,
 }
 
-/// Why a trace stopped.
+/// Reason why a trace stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum TraceEnd {
     /// The whole length was traced.
     Length,
     /// The surface ends.
     Boundary,
-    /// An edge with more than two triangles, or with one turned the other way.
+    /// An edge with more than two triangles, or with one of opposite orientation.
     NonManifold,
     /// An edge sharper than allowed.
     Sharp,
-    /// A hollow, where none is allowed.
+    /// A concave edge, where none is allowed.
     Hollow,
-    /// A triangle without area; or the start, a limit or the curvature is not a proper number.
+    /// A triangle without area, or an invalid start, limit or curvature.
     Degenerate,
     /// The step limit was reached.
     Steps,
@@ -84,13 +84,13 @@ pub enum TraceEnd {
 /// A traced curve.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// Points at arc lengths 0, spacing, 2·spacing, ... [m] as far as the trace got.
+    /// Points at arc lengths 0, spacing, 2·spacing, ... [m] up to the end of the trace.
     pub points: Vec<TracePoint>,
     /// Arc length traced [m]; up to one spacing beyond the last point.
     pub length: f64,
     /// Number of edges crossed.
     pub crossings: usize,
-    /// Why it stopped.
+    /// Reason why it stopped.
     pub end: TraceEnd,
 }
 
@@ -139,11 +139,11 @@ struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    /// Walks one arc within the triangle, or up to its edge and over it.
+    /// Advances by one arc within the triangle, or to its edge and across it.
     fn step(&mut self, curvature: &CurvatureProfile, trace: &mut Trace) -> Result<(), TraceEnd> {
         let stretch = curvature.stretch(trace.length);
         let mark = trace.points.len() as f64 * self.limits.spacing;
-        // A last mark that rounding put beyond the end is still a mark.
+        // A last point that rounding puts beyond the end is still recorded.
         let is_mark = mark <= self.limits.length + 1e-9 * self.limits.spacing;
         let target = mark.min(self.limits.length);
         let to_target = target - trace.length;
@@ -175,7 +175,7 @@ impl Walker<'_> {
         (0..3).filter_map(|edge| Some((leaves(edge)?, edge))).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Goes over an edge; answers with the edge of the next triangle that was entered by.
+    /// Crosses an edge; returns the index of the edge in the next triangle.
     fn cross(&mut self, edge: usize) -> Result<usize, TraceEnd> {
         let (next, next_edge) = match self.topology.across[self.face.face as usize][edge] {
             Across::Boundary => return Err(TraceEnd::Boundary),
@@ -189,7 +189,7 @@ impl Walker<'_> {
         Ok(next_edge)
     }
 
-    /// Goes straight on from an edge that was just crossed, over whole triangles.
+    /// Continues straight from an edge that was just crossed, over whole triangles.
     fn follow(&mut self, edge: usize, reach: f64, trace: &mut Trace) -> Result<(), TraceEnd> {
         let most = self.limits.max_steps.saturating_sub(trace.crossings);
         let entry = self.face.entry(edge, self.point, self.heading);
@@ -204,7 +204,8 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// Goes on through a corner of the triangle, entered from the angle `back` off the edge that leaves it.
+    /// Continues through a corner of the triangle; `back` is the incoming direction's angle from the edge that starts
+    /// there.
     fn pass(&mut self, corner: usize, back: f64) -> Result<(), TraceEnd> {
         let fan = Fan::around(self.mesh, self.topology, self.face.face, corner)?;
         let way = fan.opposite(back, self.limits.sharp_angle).ok_or(TraceEnd::Sharp)?;
@@ -226,11 +227,11 @@ impl Walker<'_> {
     }
 }
 
-/// Arc length [m] over which the curvature keeps its sign and the heading turns by less than [`LARGEST_TURN`].
+/// Arc length [m] over which the curvature keeps its sign and the heading changes by less than [`LARGEST_TURN`].
 fn one_way(curvature: f64, slope: f64) -> f64 {
-    // The turn |κ|σ + |κ'|σ²/2 stays below the limit when each part stays below half of it.
+    // The heading change |κ|σ + |κ'|σ²/2 stays below the limit if each term stays below half of it.
     let turn = (0.5 * LARGEST_TURN / curvature.abs()).min((LARGEST_TURN / slope.abs()).sqrt());
     let to_zero = -curvature / slope;
-    // A zero within rounding of here has just been reached.
+    // A zero within rounding of this position has just been reached.
     if to_zero > 1e-9 * turn { turn.min(to_zero) } else { turn }
 }

@@ -1,4 +1,4 @@
-//! Where a plane cuts the surface: the line along which two halves of a part would be welded together.
+//! Plane cuts of the surface: lines along which two halves of a part would be welded together.
 //!
 //! ```text
 //!             ○ left of the plane (+)
@@ -13,11 +13,11 @@ use sdf_bake::Mesh;
 use super::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart};
 use crate::topology::{Across, Topology};
 
-/// Largest sum of the angles [rad] of the hollow edges crossed.
+/// Greatest sum of the angles [rad] of the concave edges crossed.
 const MAX_HOLLOW: f64 = 0.05;
 
-/// Traces the cut of the surface with the plane that the start's heading and normal span, over ground that is nowhere
-/// hollow. A corner in the plane counts as left of it.
+/// Traces the cut of the surface with the plane spanned by the start's heading and normal, over a surface without
+/// concave edges. A corner in the plane counts as left of it.
 pub fn trace_section(mesh: &Mesh, topology: &Topology, start: TraceStart, limits: TraceLimits) -> Trace {
     let mut trace = Trace { points: Vec::new(), length: 0.0, crossings: 0, end: TraceEnd::Degenerate };
     let normal = mesh.normal(start.face as usize);
@@ -44,7 +44,7 @@ pub fn trace_section(mesh: &Mesh, topology: &Topology, start: TraceStart, limits
 
 struct Plane {
     origin: DVec3,
-    /// Unit normal, to the left of the way.
+    /// Unit normal of the plane, to the left of the direction of travel.
     left: DVec3,
 }
 
@@ -58,7 +58,7 @@ struct Cut<'a> {
 }
 
 impl Cut<'_> {
-    /// Goes to the end of the triangle and over its edge; whether the whole length was reached before.
+    /// Advances to the end of the triangle and across its edge. Returns true if the whole length was reached before.
     fn step(&mut self, limits: TraceLimits, trace: &mut Trace) -> Result<bool, TraceEnd> {
         let corners = self.mesh.corners(self.face as usize);
         let aside = corners.map(|corner| (corner - self.plane.origin).dot(self.plane.left));

@@ -1,8 +1,8 @@
-//! A straight line over a strip of triangles, each laid down from the edge by which the line entered it.
+//! Follows a straight line over a strip of triangles, each in planar coordinates of the edge at which the line entered.
 //!
 //! ```text
 //!           C                 A is the origin, B on the x axis; the line leaves
-//!          / \ .             by BC when C is on its left, else by CA
+//!          / \ .             through BC if C is on its left, else through CA
 //!         /  .\
 //!        /  .  \
 //!       A--o----B
@@ -13,14 +13,14 @@ use sdf_bake::Mesh;
 
 use crate::topology::{Across, Topology};
 
-/// Crossings this near to a corner are left to others, as a share of the edges.
+/// Crossings closer than this to a corner are handled elsewhere, as a share of the edge.
 const NEAR_CORNER: f64 = 1e-10;
 
-/// A line that has just entered a triangle.
+/// A line at its entry to a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) face: u32,
-    /// The edge it came over.
+    /// Index of the edge that it crossed.
     pub(super) edge: usize,
     /// Distance [m] from the start of that edge.
     pub(super) at: f64,
@@ -28,32 +28,32 @@ pub(super) struct Entry {
     pub(super) heading: DVec2,
 }
 
-/// Where [`follow`] stopped.
+/// State at which [`follow`] stopped.
 pub(super) struct Followed {
     pub(super) entry: Entry,
-    /// Way gone [m].
+    /// Length followed [m].
     pub(super) length: f64,
     pub(super) crossings: usize,
 }
 
-/// Limits on following a line: its length, its turns at edges, its crossings.
+/// Limits on following a line: length, edge angle, crossings.
 pub(super) struct Bounds {
-    /// Way [m].
+    /// Length [m].
     pub(super) reach: f64,
     /// Edges whose normals differ by more than this [rad] are not crossed.
     pub(super) sharp_angle: f64,
-    /// Crossings.
+    /// Greatest number of crossings.
     pub(super) most: usize,
 }
 
-/// Follows a straight line within its bounds as long as it crosses whole triangles, away from corners.
+/// Follows a straight line within its bounds, as long as it crosses whole triangles away from corners.
 pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bounds: &Bounds) -> Followed {
     let Bounds { reach, sharp_angle, most } = *bounds;
     let (mut length, mut crossings) = (0.0, 0);
     while crossings < most {
         let corners = mesh.corners(entry.face as usize);
         let [a, b, c] = [0, 1, 2].map(|i| corners[(entry.edge + i) % 3]);
-        // Not the length that the last triangle gave this edge: its rounding would grow from triangle to triangle.
+        // The edge length is recomputed: that of the previous triangle would accumulate rounding errors.
         let base = (b - a).length();
         let along = (b - a) / base;
         let apex = DVec2::new((c - a).dot(along), along.cross(c - a).length());

@@ -25,7 +25,7 @@ impl Double {
     }
 
     fn sqrt(self) -> Self {
-        // One step of Newton's method doubles the digits.
+        // One Newton step doubles the number of digits.
         let root = Self::of(self.0.sqrt());
         (root + self / root) * Self::of(0.5)
     }

@@ -1,5 +1,5 @@
-//! Straightest geodesics in double-double arithmetic (about 32 digits), in space and not in flat coordinates: a reference
-//! that shares neither rounding nor formulas with the tracer.
+//! Straightest geodesics in double-double arithmetic (about 32 digits), in space instead of planar coordinates: a
+//! reference that shares neither rounding nor formulas with the tracer.
 
 mod double;
 
@@ -10,7 +10,7 @@ use weldgen::trace::TraceStart;
 
 use double::{Double, Vector};
 
-/// The end of a straightest geodesic of a length [m]; `None` where it meets a vertex or the end of the surface.
+/// End of a straightest geodesic of a length [m]; `None` if it meets a vertex or the end of the surface.
 pub(crate) fn geodesic_end(mesh: &Mesh, topology: &Topology, start: &TraceStart, length: f64) -> Option<DVec3> {
     let whole = start.barycentric.iter().fold(Double::of(0.0), |sum, weight| sum + Double::of(*weight));
     let corners = corners(mesh, start.face);
@@ -56,7 +56,7 @@ impl Walk {
         (a, along, normal.cross(along))
     }
 
-    /// Way to the edge by which the face is left, and that edge.
+    /// Distance to the edge at which the line leaves the face, and that edge.
     fn exit(&self, mesh: &Mesh) -> Option<(Double, usize)> {
         let mut first: Option<(Double, usize)> = None;
         for edge in (0..3).filter(|edge| Some(*edge) != self.entered) {

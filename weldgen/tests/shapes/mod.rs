@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-/// Numbers in [0, 1) from a fixed recurrence (splitmix64), so failures repeat.
+/// Numbers in [0, 1) from a fixed recurrence (splitmix64), so that failures are reproducible.
 pub(crate) struct Numbers(pub(crate) u64);
 
 impl Numbers {
@@ -21,7 +21,7 @@ impl Numbers {
     }
 }
 
-/// A grid of `nu × nv` cells, each cut into two triangles; `wrap` closes it along u.
+/// A grid of `nu × nv` cells, each split into two triangles; `wrap` closes it along u.
 pub(crate) fn sheet(nu: u32, nv: u32, wrap: bool, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let columns = if wrap { nu } else { nu + 1 };
     let index = |i: u32, j: u32| (i % columns) * (nv + 1) + j;
@@ -38,7 +38,7 @@ pub(crate) fn sheet(nu: u32, nv: u32, wrap: bool, place: impl Fn(f64, f64) -> DV
     }
 }
 
-/// The square `[-size/2, size/2]²` in the plane z = 0, cut into cells of the given numbers and sheared unevenly.
+/// The square `[-size/2, size/2]²` in the plane z = 0, divided into the given numbers of cells and distorted unevenly.
 pub(crate) fn plane(size: f64, nu: u32, nv: u32) -> Mesh {
     let mut numbers = Numbers(11);
     let mut mesh = sheet(nu, nv, false, |u, v| DVec3::new(u - 0.5, v - 0.5, 0.0) * size);
@@ -56,7 +56,7 @@ pub(crate) fn tube(radius: f64, height: f64, sides: u32, rings: u32) -> Mesh {
     sheet(sides, rings, true, |u, v| DVec3::new(radius * (TAU * u).cos(), radius * (TAU * u).sin(), height * v))
 }
 
-/// A sphere around the origin from an icosahedron whose faces are cut into four `levels` times.
+/// A sphere around the origin: an icosahedron whose faces are split into four `levels` times.
 pub(crate) fn icosphere(radius: f64, levels: u32) -> Mesh {
     let t = (1.0 + 5f64.sqrt()) / 2.0;
     let corners = [
@@ -138,7 +138,7 @@ pub(crate) fn angle() -> Mesh {
         let next = (i + 1) % count;
         [[i, next, count + next], [i, count + next, count + i]]
     });
-    // Both ends are fans around the inner corner, which sees all others.
+    // Both ends are triangle fans around the inner corner, from which all others are visible.
     let ends = [4, 5, 0, 1].map(|i| [3, i, (i + 1) % count]);
     let front = ends.map(|t| t.map(|i| count + i));
     let back = ends.map(|[a, b, c]| [a, c, b]);

@@ -1,6 +1,6 @@
-//! Numbers out of glTF buffers.
+//! Reads numbers from glTF buffers.
 //!
-//! The `gltf` crate checks references between objects but not that a view lies inside its buffer, so these reads do.
+//! The `gltf` crate checks references between objects, but not that a view lies inside its buffer; these functions do.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use gltf::buffer::View;
 use super::malformed;
 use crate::read::ReadError;
 
-/// Positions [m], sparse replacements included.
+/// Positions [m], including sparse replacements.
 pub(super) fn positions(accessor: &Accessor, buffers: &[Cow<[u8]>]) -> Result<Vec<DVec3>, ReadError> {
     if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
         return Err(malformed("POSITION is not made of three 32-bit floats"));
@@ -50,7 +50,7 @@ pub(super) fn indices(accessor: &Accessor, buffers: &[Cow<[u8]>]) -> Result<Vec<
     Rows::new(&view, accessor.offset(), size, accessor.count())?.read(buffers, unsigned)
 }
 
-/// Elements without data are zeros; their number must not exceed what a file of this size could hold.
+/// Checks an accessor without data, whose elements are zeros: their number must not exceed the bytes of the buffers.
 fn zeros(count: usize, buffers: &[Cow<[u8]>]) -> Result<usize, ReadError> {
     let room: usize = buffers.iter().map(|buffer| buffer.len()).sum();
     if count <= room { Ok(count) } else { Err(malformed(format!("an accessor has {count} elements and no data"))) }
@@ -59,9 +59,9 @@ fn zeros(count: usize, buffers: &[Cow<[u8]>]) -> Result<usize, ReadError> {
 /// Equally spaced elements in a buffer.
 struct Rows {
     buffer: usize,
-    /// Of the view, in the buffer [bytes].
+    /// Range of the view in the buffer [bytes].
     view: std::ops::Range<usize>,
-    /// Of the first element, in the view [bytes].
+    /// Offset of the first element in the view [bytes].
     offset: usize,
     stride: usize,
     size: usize,

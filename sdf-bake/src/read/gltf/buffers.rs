@@ -1,4 +1,4 @@
-//! The binary data of a glTF file: its own chunk, data URIs, or files beside it.
+//! The binary data of a glTF file: its own chunk, data URIs, or separate files.
 
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::read::ReadError;
 use crate::read::bytes::Beside;
 use files::input::{self, MOST_MESH_BYTES, measured};
 
-/// Reads the files that a document names as its buffers; each once, however often it is named.
+/// Reads the files that a document names as its buffers, each once.
 pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, ReadError> {
     let mut beside = Beside::new();
     for buffer in document.buffers() {
@@ -37,12 +37,12 @@ pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, 
     Ok(beside)
 }
 
-/// A relative file's folder has no name of its own.
+/// Folder to open; `.` for a relative file, whose folder is empty.
 fn folder_of(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-/// The bytes of each buffer, at least as many as announced.
+/// Returns the bytes of each buffer, at least as many as announced.
 pub(super) fn gather<'a>(
     document: &Document,
     mut blob: Option<&'a [u8]>,
@@ -81,7 +81,7 @@ fn not_looked_for(uri: &str) -> ReadError {
     ))
 }
 
-/// `%20` and its like as bytes; what is no escape stays.
+/// Decodes escapes such as `%20`; other text is unchanged.
 fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -14,12 +14,12 @@ impl<'a> Body<'a> {
         Self { encoding, rest }
     }
 
-    /// Bytes that are left.
+    /// Number of remaining bytes.
     pub(super) fn room(&self) -> u64 {
         self.rest.len() as u64
     }
 
-    /// Refuses an element whose rows cannot fit into so many bytes.
+    /// Rejects an element whose rows cannot fit into this number of bytes.
     pub(super) fn check_room(&self, element: &Element, room: u64) -> Result<(), ReadError> {
         let smallest: usize = element.properties.iter().map(|p| self.smallest(p.kind)).sum();
         let needed = element.count.saturating_mul(smallest as u64);
@@ -34,7 +34,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// Fewest bytes that a property takes.
+    /// Least number of bytes of a property.
     fn smallest(&self, kind: Kind) -> usize {
         match (self.encoding, kind) {
             (Encoding::Ascii, _) => 2,
@@ -43,7 +43,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The next number.
+    /// Reads the next number.
     pub(super) fn scalar(&mut self, scalar: Scalar) -> Result<f64, ReadError> {
         if self.encoding == Encoding::Ascii {
             return self.word();
@@ -83,7 +83,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// The length of a list, held against what is left of the file.
+    /// Reads the length of a list, and compares it with the remaining bytes.
     pub(super) fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<usize, ReadError> {
         let length = self.scalar(count)?;
         let size = if self.encoding == Encoding::Ascii { 2 } else { item.size() };

@@ -3,7 +3,7 @@
 use super::{Format, ReadError};
 use files::input::{quoted, quoted_line};
 
-/// How rows are written.
+/// Encoding of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -11,7 +11,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A number's type.
+/// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -70,7 +70,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Rows that take room in the file.
+    /// Number of rows that occupy bytes in the file.
     pub(super) fn rows(&self) -> u64 {
         if self.properties.is_empty() { 0 } else { self.count }
     }
