@@ -1,10 +1,10 @@
 //! Files that are read with limits and written completely or not at all. This crate does not know their content.
 //!
 //! 1. [`input`] opens only regular files, of a limited size; [`json_file`] reads JSON, and [`named_file`] finds the
-//!   files that a manifest names, within its folder.
+//!    files that a manifest names, within its folder.
 //! 2. [`output`] decides what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
 //! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] stores finished
-//!   work for a run that continues after an interruption; [`program`] gives the command that starts another process.
+//!    work for a run that continues after an interruption; [`program`] gives the command that starts another process.
 //!
 //! This crate never prints and never chooses a path by itself.
 

@@ -132,8 +132,8 @@ impl Tool {
         }
     }
 
-    /// Speed [m/s] of the working surface over the workpiece at a point of the tool's frame, for a `spindle` [rad/s] and a
-    /// `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
+    /// Speed [m/s] of the working surface over the workpiece at a point of the tool's frame, for a `spindle` [rad/s]
+    /// and a `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
     #[inline(always)]
     pub fn slip_speed(&self, at: DVec3, spindle: f64, feed: DVec3) -> f64 {
         (self.axis().cross(at) * spindle + feed).length()
