@@ -15,7 +15,7 @@ pub struct WrongUse(pub String);
 /// Error of reading or writing a file or folder.
 #[derive(Debug, Error)]
 pub enum FileError {
-    /// The requested place is occupied, or can hold no output.
+    /// The requested path is occupied, or can hold no output.
     #[error("{0}")]
     WrongUse(#[from] WrongUse),
     /// An operation of the file system failed.
@@ -28,7 +28,7 @@ pub enum FileError {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The place has no name, or another run is writing it.
+    /// The path has no name, or another run is writing it.
     #[error("{}: {reason}", place.display())]
     Refused {
         /// The file or folder.

@@ -1,4 +1,4 @@
-//! Output that is either complete or absent: it is written beside its place under a temporary name, then renamed.
+//! Output that is either complete or absent: it is written beside its final path under a temporary name, then renamed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,10 +22,10 @@ pub struct StagedFile {
 }
 
 impl StagedFolder {
-    /// Starts a folder of a kind. From then on no other run can write the same place.
+    /// Starts a folder of a kind. From then on no other run can write the same path.
     ///
     /// # Errors
-    /// Wrong usage if the place holds something that may not be replaced; other errors if another run is writing it, or
+    /// Wrong usage if the path holds something that may not be replaced; other errors if another run is writing it, or
     /// the parent folder cannot be written.
     pub fn new(out: &Out, kind: &'static FolderKind) -> Result<Self, FileError> {
         out.check_folder(kind)?;
@@ -49,7 +49,7 @@ impl StagedFolder {
         self.staging.path()
     }
 
-    /// Moves the finished folder to its place; a replaced one is removed only afterwards.
+    /// Moves the finished folder to its final path; a replaced one is removed only afterwards.
     ///
     /// # Errors
     /// If something else was put there in the meantime, or the file system refuses a rename; the old folder is kept
@@ -65,7 +65,7 @@ impl StagedFolder {
 }
 
 impl StagedFile {
-    /// Starts a file of a kind. From then on no other run can write the same place.
+    /// Starts a file of a kind. From then on no other run can write the same path.
     ///
     /// # Errors
     /// As for [`StagedFolder::new`].
@@ -75,7 +75,7 @@ impl StagedFile {
         Ok(Self { staging, replace: out.force.then_some(kind) })
     }
 
-    /// Writes the file and moves it to its place.
+    /// Writes the file and moves it to its final path.
     ///
     /// # Errors
     /// As for [`StagedFolder::commit`].
@@ -114,10 +114,10 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Writes a file beside its place and renames it, replacing an existing one. For files inside an output.
+/// Writes a file beside its final path and renames it, replacing an existing one. For files inside an output.
 ///
 /// # Errors
-/// If the place cannot be written.
+/// If the path cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let failed = || FileError::at(path, WRITE);
     let name = path.file_name().ok_or_else(|| FileError::refused(path, WRITE))?.to_string_lossy();

@@ -2,7 +2,8 @@
 //!
 //! 1. [`input`] opens only regular files, of a limited size; [`json_file`] reads JSON, and [`named_file`] finds the
 //!    files that a manifest names, within its folder.
-//! 2. [`output`] decides what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
+//! 2. [`output`] decides what a command may replace, and [`folder`] writes beside the final path and renames
+//!    (`staging`).
 //! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] stores finished
 //!    work for a run that continues after an interruption; [`program`] gives the command that starts another process.
 //!

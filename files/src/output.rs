@@ -29,7 +29,7 @@ pub const UNFINISHED: &str = ".unfinished";
 /// Files that file managers create in every folder.
 const NO_ONES: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// Output place of a verb, and what it must not touch.
+/// Output path of a verb, and what it must not touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Out<'a> {
     /// The requested path.
@@ -90,7 +90,7 @@ impl<'a> Out<'a> {
         Self { place, force: false, inputs: &[] }
     }
 
-    /// Refuses a place that is occupied, except by an earlier folder of this kind that may be replaced.
+    /// Refuses a path that is occupied, except by an earlier folder of this kind that may be replaced.
     ///
     /// # Errors
     /// Wrong usage.
@@ -124,7 +124,7 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// Refuses a place that is occupied, except by an earlier file of this kind that may be replaced.
+    /// Refuses a path that is occupied, except by an earlier file of this kind that may be replaced.
     ///
     /// # Errors
     /// Wrong usage.
@@ -195,7 +195,7 @@ fn is_staged(name: &str) -> bool {
     name.starts_with('.') && name.contains(".part-")
 }
 
-/// Returns true if a file, folder or link is at a place.
+/// Returns true if a file, folder or link is at a path.
 pub fn is_occupied(target: &Path) -> bool {
     match fs::read_dir(target) {
         Ok(mut entries) => entries.next().is_some(),

@@ -1,8 +1,8 @@
-//! Temporary places beside an output, where it is written first. Each output has one run at a time, and the place is
+//! Temporary paths beside an output, where it is written first. Each output has one run at a time, and the path is
 //! removed whenever the run ends, in any way.
 //!
-//! A place is called `.NAME.part-PID` and locked by its process. The lock ends with the process, so an unlocked place
-//! belongs to a run that was killed; the next run for the same output removes it.
+//! A temporary path is named `.NAME.part-PID` and locked by its process. The lock ends with the process, so an unlocked
+//! path belongs to a run that was killed; the next run for the same output removes it.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -13,25 +13,25 @@ use std::time::Duration;
 
 use crate::error::FileError;
 
-/// Number of attempts to remove a place that other threads still write to, and the time between them.
+/// Number of attempts to remove a path that other threads still write to, and the time between them.
 const ATTEMPTS: (usize, Duration) = (20, Duration::from_millis(10));
 /// Suffix under which a replaced output is kept until the new one is in place.
 const OLD: &str = ".old";
 const MAKE: &str = "cannot make this folder";
 const BUSY: &str = "another run is writing this; wait for its end, or choose another --out";
 
-/// All places that this process has staged.
+/// All paths that this process has staged.
 static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn staged() -> MutexGuard<'static, Vec<PathBuf>> {
     STAGED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all places that this process has staged. While the returned guard lives, nothing is staged, renamed or
+/// Removes all paths that this process has staged. While the returned guard lives, nothing is staged, renamed or
 /// removed.
 pub fn remove_all() -> impl Sized {
     let staged = staged();
-    // An inner place is removed with the outer one.
+    // An inner path is removed with the outer one.
     for path in staged.iter() {
         remove(path);
     }
@@ -106,8 +106,8 @@ impl Staging {
         &self.target
     }
 
-    /// Moves it to its place. With `replace`, an existing output is moved aside, and removed once the new one is in
-    /// place.
+    /// Moves it to its final path. With `replace`, an existing output is moved aside, and removed once the new one is
+    /// in place.
     ///
     /// # Errors
     /// If the file system refuses a rename; the existing output is kept then.
@@ -147,7 +147,7 @@ impl Drop for Staging {
     }
 }
 
-/// Exclusive access to the places in a folder, held briefly to inspect them and to create one.
+/// Exclusive access to the paths in a folder, held briefly to inspect them and to create one.
 struct Turn {
     _lock: Option<File>,
 }
@@ -190,7 +190,7 @@ fn sweep(target: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Temporary places of an output, with true for those that hold a replaced output.
+/// Temporary paths of an output, with true for those that hold a replaced output.
 fn places(target: &Path) -> Vec<(PathBuf, bool)> {
     let (Some(parent), Some(name)) = (target.parent(), target.file_name()) else { return Vec::new() };
     let prefix = format!(".{}.part-", name.to_string_lossy());

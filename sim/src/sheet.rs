@@ -83,7 +83,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// The smallest window around points of the sheet (u, v, up) [m], `margin` lines wider on each side.
+    /// The smallest window around points (u, v, up) [m], `margin` lines wider on each side.
     pub fn around(points: impl Iterator<Item = DVec3>, voxel: f64, margin: i32) -> Self {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for point in points {

@@ -13,7 +13,7 @@ use robot::Tool;
 /// Cosine of a pad's tilt against the columns below which whole rows are searched for its cells.
 const MOST_TILTED: f64 = 0.5;
 
-/// A tool's frame in the coordinates of a sheet (u, v, up).
+/// A tool's frame in the coordinates of a height field (u, v, up).
 pub(crate) struct SheetFrame {
     pub(super) centre: DVec3,
     pub(super) x: DVec3,

@@ -26,7 +26,7 @@ pub(super) struct Patch<'a> {
     frame: &'a SheetFrame,
     /// The column's point (u, v, up) [m].
     column: DVec3,
-    /// Differences of the height across the square [m].
+    /// Differences of the height across the cell [m].
     along: Difference,
     sideways: Difference,
     /// Mixed difference of the height [m].

@@ -2,7 +2,8 @@
 //! coating wears.
 //!
 //! Both measure the tool over the columns, evaluate the model's pressure, and vary the tool's travel until the force
-//! meets the controller's law. They differ in the time within the step at which they measure, and in what they remove.
+//! meets the controller's law. They differ in the time within the step at which they measure, and in the quantity that
+//! they remove.
 
 mod contact_integrals;
 mod contact_state;

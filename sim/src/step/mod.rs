@@ -36,7 +36,7 @@ pub(crate) struct Taken {
     pub(crate) applied: Applied,
 }
 
-/// A pass under way.
+/// A pass in progress.
 pub(crate) struct Runner<'a> {
     pass: Pass<'a>,
     workpiece: Workpiece<'a>,

@@ -27,7 +27,7 @@ pub fn lacking<'e>(trial: &Trial, effect: &'e Effect) -> Option<(&'e State, Tria
 /// Checks that a trial has all columns that a model's states read.
 ///
 /// # Errors
-/// [`TrialError`] with the place, what was found and what would be accepted.
+/// [`TrialError`] with the place, the value found and the values accepted.
 pub(super) fn check(trial: &Trial, model: &CompiledModel) -> Result<(), Box<TrialError>> {
     model.effects().find_map(|effect| lacking(trial, effect)).map_or(Ok(()), |(_, error)| Err(Box::new(error)))
 }

@@ -72,7 +72,7 @@ fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
     spread() <= rounding + ROUNDING
 }
 
-/// The decimal step of which all heights of a map are multiples [m].
+/// Decimal rounding step of a map [m]: all heights are multiples of it.
 fn step(map: &HeightMap) -> f64 {
     let known = || map.heights.iter().filter(|height| height.is_finite());
     let fits =

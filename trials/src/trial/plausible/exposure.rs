@@ -167,7 +167,7 @@ fn rising(mut known: Vec<(f64, bool)>) -> f64 {
     pooled.iter().map(|&(all, yes)| part(yes, all) + part(all - yes, all)).sum()
 }
 
-/// Refuses masks of which a later one shows less exposure.
+/// Refuses a mask that shows less exposure than an earlier one.
 fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<(), TrialError> {
     for (k, pair) in masks.windows(2).enumerate() {
         let count = |from: bool| {
