@@ -1,4 +1,4 @@
-//! How fast trials are simulated, in CPU seconds of one core: `cargo bench --bench simulate`.
+//! Simulation speed of trials, in CPU seconds of one core: `cargo bench --bench simulate`.
 //!
 //! Reads the campaigns beside the project, or those of `ROBOFIN_SHARED`.
 
@@ -11,7 +11,7 @@ use sim::{Clock, Phase};
 use trial_simulation::Simulation;
 use trials::trial::{Campaign, Trial};
 
-/// Base laws near those of the campaigns.
+/// Base laws with values close to those of the campaigns.
 const GRINDING: &str = r#"process = "grinding"
 [law.winkler]
 stiffness = "30 MPa/mm"
@@ -26,7 +26,7 @@ stiffness = "0.012 MPa/mm"
 sanding_rate = "0.026 1/(MPa mm)"
 "#;
 
-/// Runs of which the quickest counts: others on the machine only ever add to it.
+/// Number of runs, of which the fastest counts: other programs on the machine can only slow a run down.
 const RUNS: usize = 5;
 
 fn main() {
@@ -66,7 +66,7 @@ fn measure(trial: &Trial, model: &CompiledModel) {
     println!("  part from the scan in {baking:.3} s, {:.1} MB", part.bytes() as f64 / 1e6);
 }
 
-/// Runs a trial for its time, the least of some runs, and once more for where that goes.
+/// Runs a trial several times for its shortest time, and once more for the time of each phase.
 fn run<'a>(name: &str, simulation: &mut Simulation<'a>, model: &CompiledModel, clock: &'a Clock) {
     forget_peak();
     let runs = [(); RUNS].map(|()| run_once(simulation, model));
@@ -88,7 +88,7 @@ fn run<'a>(name: &str, simulation: &mut Simulation<'a>, model: &CompiledModel, c
     println!("  {}, scan and other {:.0} %", shares.join(", "), rest / all * 100.0);
 }
 
-/// Steps of a trial, and the CPU time that they took [s].
+/// Number of steps of a trial, and their CPU time [s].
 fn run_once(simulation: &Simulation, model: &CompiledModel) -> (usize, f64) {
     let start = cpu_seconds();
     let (passes, _) = simulation.run(model, &mut Simulation::fresh_states(model), 0, &mut |_, _| {}).expect("a trial");
@@ -106,12 +106,12 @@ fn label(phase: Phase) -> &'static str {
     }
 }
 
-/// Lets the peak of the memory begin anew.
+/// Resets the peak memory of the process.
 fn forget_peak() {
     std::fs::write("/proc/self/clear_refs", "5").expect("Linux lets a process forget its peak");
 }
 
-/// Most memory that the process held since then, campaigns included [bytes].
+/// Peak memory of the process since the reset, campaigns included [bytes].
 fn peak_bytes() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("Linux tells of a process");
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a peak");

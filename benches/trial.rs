@@ -1,4 +1,4 @@
-//! Reading measured data and seeing simulated surfaces: milliseconds and rates, on one thread.
+//! Speed of reading measured data and of the virtual profilometer: milliseconds and rates, on one thread.
 //!
 //! `cargo bench -p robofin --bench trial`
 

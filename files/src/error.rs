@@ -7,49 +7,49 @@ use thiserror::Error;
 
 use crate::input::InputError;
 
-/// The program was called wrongly: exit code 2, where failed work is exit code 1.
+/// Wrong usage of the program: exit code 2; failed work is exit code 1.
 #[derive(Debug, Error)]
 #[error("{0}")]
 pub struct WrongUse(pub String);
 
-/// The reason why a file or folder cannot be read or written.
+/// Error of reading or writing a file or folder.
 #[derive(Debug, Error)]
 pub enum FileError {
-    /// The place asked for is taken, or can hold no output.
+    /// The requested path is occupied, or can hold no output.
     #[error("{0}")]
     WrongUse(#[from] WrongUse),
-    /// The file system refuses.
+    /// An operation of the file system failed.
     #[error("{}: {action}", place.display())]
     Io {
         /// The file or folder.
         place: PathBuf,
-        /// In words, such as `cannot write this file`.
+        /// The operation in words, such as `cannot write this file`.
         action: &'static str,
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The place has no name, or another run writes it.
+    /// The path has no name, or another run is writing it.
     #[error("{}: {reason}", place.display())]
     Refused {
         /// The file or folder.
         place: PathBuf,
-        /// In words.
+        /// The reason in words.
         reason: &'static str,
     },
     /// The input cannot be read.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The content is not what it should be.
+    /// The content is not of the expected type.
     #[error("{}: not {what}: {found}", place.display())]
     Content {
         /// The file.
         place: PathBuf,
-        /// In words, such as `the record of an image`.
+        /// Expected content in words, such as `the record of an image`.
         what: String,
-        /// The type and place of what was found, without its content.
+        /// Type and place of the content found, without repeating it.
         found: String,
     },
-    /// A value has no form in the file's format.
+    /// A value cannot be represented in the file's format.
     #[error("{}: cannot be written as text", place.display())]
     Encoding {
         /// The file.
@@ -60,13 +60,13 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// Makes an error of the file system from its source.
+    /// Wraps an error of the operating system.
     pub fn at(place: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         let place = place.to_owned();
         move |source| Self::Io { place, action, source }
     }
 
-    /// Makes an error of a value that has no form in the file's format.
+    /// Wraps an error of a value that cannot be represented in the file's format.
     pub fn encoding<E: std::error::Error + Send + Sync + 'static>(place: &Path) -> impl FnOnce(E) -> Self {
         let place = place.to_owned();
         move |source| Self::Encoding { place, source: source.into() }
@@ -77,7 +77,7 @@ impl FileError {
     }
 }
 
-/// Wrong use, in these words.
+/// An error of wrong usage with this message.
 pub(crate) fn wrong_use(message: String) -> FileError {
     WrongUse(message).into()
 }

@@ -1,4 +1,4 @@
-//! The right to write something, held by one thread of one process at a time.
+//! Lock file, held by one thread of one process at a time.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -7,19 +7,19 @@ use same_file::Handle;
 
 use crate::error::FileError;
 
-/// The right to write something. The operating system ends it with its process, however that ends.
+/// A held lock. The operating system releases it when the process ends, in any way.
 #[derive(Debug)]
 pub struct FileLock {
     path: PathBuf,
     _locked: File,
 }
 
-/// Whether to wait for what someone else is writing.
+/// Behaviour if the lock is held by another thread or process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
-    /// Come back later.
+    /// Returns at once.
     None,
-    /// As long as it takes.
+    /// Waits without limit.
     Endless,
 }
 
@@ -27,7 +27,7 @@ impl FileLock {
     /// Takes the lock file at `path`; `None` if the lock is held and waiting was not requested.
     ///
     /// # Errors
-    /// When the file cannot be made, or the file system has no locks.
+    /// If the file cannot be created, or the file system does not support locks.
     pub fn take(path: &Path, patience: Patience) -> Result<Option<Self>, FileError> {
         let failed = || FileError::at(path, "cannot be locked; choose an --out on a file system with locks");
         loop {
@@ -38,7 +38,7 @@ impl FileLock {
                 (Err(TryLockError::WouldBlock), Patience::Endless) => file.lock().map_err(failed())?,
                 (Err(TryLockError::Error(error)), _) => return Err(failed()(error)),
             }
-            // The holder before may have removed the file between our opening and locking it.
+            // The previous holder may have removed the file between our opening and locking it.
             if is_at(&file, path) {
                 return Ok(Some(Self { path: path.to_owned(), _locked: file }));
             }
@@ -53,7 +53,7 @@ fn is_at(file: &File, path: &Path) -> bool {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // A lock file that stays is harmless: the next one who wants it takes it.
+        // A leftover lock file is harmless: the next run that needs it locks it.
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -1,4 +1,4 @@
-//! Output that is either complete or absent: written beside its place under a temporary name, then renamed.
+//! Output that is either complete or absent: it is written beside its final path under a temporary name, then renamed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,51 +9,51 @@ use crate::staging::Staging;
 
 const WRITE: &str = "cannot write this file";
 
-/// An output folder in the making. Dropped without [`StagedFolder::commit`], it leaves nothing behind.
+/// An output folder in progress. Dropped without [`StagedFolder::commit`], it leaves nothing behind.
 pub struct StagedFolder {
     staging: Staging,
     replace: Option<&'static FolderKind>,
 }
 
-/// An output file in the making. Dropped without [`StagedFile::commit`], it leaves nothing behind.
+/// An output file in progress. Dropped without [`StagedFile::commit`], it leaves nothing behind.
 pub struct StagedFile {
     staging: Staging,
     replace: Option<&'static FileKind>,
 }
 
 impl StagedFolder {
-    /// Starts a folder of a kind. From now on no other run can write the same place.
+    /// Starts a folder of a kind. From then on no other run can write the same path.
     ///
     /// # Errors
-    /// Wrong use when the place holds something that may not be replaced; otherwise when another run writes it, or the
-    /// parent folder cannot be written.
+    /// Wrong usage if the path holds something that may not be replaced; other errors if another run is writing it, or
+    /// the parent folder cannot be written.
     pub fn new(out: &Out, kind: &'static FolderKind) -> Result<Self, FileError> {
         out.check_folder(kind)?;
         let staging = Staging::folder(&absolute(out.place)?)?;
-        // What a killed run had moved away may be back.
+        // A killed run may have left the previous output under another name; it has been restored by now.
         out.check_folder(kind)?;
         Ok(Self { staging, replace: out.force.then_some(kind) })
     }
 
-    /// Starts a folder where there is none.
+    /// Starts a folder where none exists.
     ///
     /// # Errors
-    /// As [`StagedFolder::new`].
+    /// As for [`StagedFolder::new`].
     pub fn fresh(target: &Path) -> Result<Self, FileError> {
         refuse_occupied(target)?;
         Ok(Self { staging: Staging::folder(&absolute(target)?)?, replace: None })
     }
 
-    /// Where to write for now.
+    /// Temporary path of the folder.
     pub fn path(&self) -> &Path {
         self.staging.path()
     }
 
-    /// Moves the finished folder to its place; a replaced one is removed only after that.
+    /// Moves the finished folder to its final path; a replaced one is removed only afterwards.
     ///
     /// # Errors
-    /// When something else was put there meanwhile, or the file system refuses a rename; the old folder is then still
-    /// there.
+    /// If something else was put there in the meantime, or the file system refuses a rename; the old folder is kept
+    /// then.
     pub fn commit(self) -> Result<PathBuf, FileError> {
         let target = self.staging.target().to_owned();
         if let Some(kind) = self.replace {
@@ -65,20 +65,20 @@ impl StagedFolder {
 }
 
 impl StagedFile {
-    /// Starts a file of a kind. From now on no other run can write the same place.
+    /// Starts a file of a kind. From then on no other run can write the same path.
     ///
     /// # Errors
-    /// As [`StagedFolder::new`].
+    /// As for [`StagedFolder::new`].
     pub fn new(out: &Out, kind: &'static FileKind) -> Result<Self, FileError> {
         out.check_file(kind)?;
         let staging = Staging::file(&absolute(out.place)?)?;
         Ok(Self { staging, replace: out.force.then_some(kind) })
     }
 
-    /// Writes the file and moves it to its place.
+    /// Writes the file and moves it to its final path.
     ///
     /// # Errors
-    /// As [`StagedFolder::commit`].
+    /// As for [`StagedFolder::commit`].
     pub fn commit(self, bytes: &[u8]) -> Result<(), FileError> {
         let target = self.staging.target().to_owned();
         fs::write(self.staging.path(), bytes).map_err(FileError::at(&target, WRITE))?;
@@ -105,19 +105,19 @@ fn refuse_occupied(target: &Path) -> Result<(), FileError> {
     Err(wrong_use(format!("{} already exists and is not overwritten: choose another --out", target.display())))
 }
 
-/// Refuses a folder that cannot be written, before any work for it is done.
+/// Refuses a folder that cannot be written, before any work is done for it.
 ///
 /// # Errors
-/// When a file cannot be made there.
+/// If a file cannot be created there.
 pub fn check_writable(folder: &Path) -> Result<(), FileError> {
     drop(Staging::file(&absolute(&folder.join("writable"))?)?);
     Ok(())
 }
 
-/// Writes a file beside its place and renames it; what is there is replaced. For files inside an output.
+/// Writes a file beside its final path and renames it, replacing an existing one. For files inside an output.
 ///
 /// # Errors
-/// When the place cannot be written.
+/// If the path cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let failed = || FileError::at(path, WRITE);
     let name = path.file_name().ok_or_else(|| FileError::refused(path, WRITE))?.to_string_lossy();

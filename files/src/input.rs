@@ -1,7 +1,8 @@
-//! The one way in which files are opened that someone names: regular files alone, of a size that is stated.
+//! Opening of all files that a user or a file names: only regular files up to a stated size.
 //!
-//! A device, a pipe or a file of `/proc` may have no end, and an error may show what its reader must not see. So nothing
-//! is read beyond the length that the file system says, and [`quoted`] decides how much of a content an error repeats.
+//! A device, a pipe or a file of `/proc` may be endless, and an error message may reveal content that its reader must
+//! not see. So nothing is read beyond the length reported by the file system, and [`quoted`] decides how much content
+//! an error repeats.
 
 use std::fs::{File, Metadata};
 use std::io::Read;
@@ -9,30 +10,30 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Most bytes of a mesh or a field: 43 million triangles of a binary STL, beyond the vertex indices of a `Mesh`'s
-/// memory on any machine for this.
+/// Maximum number of bytes of a mesh or a field: 43 million triangles of a binary STL, more than the memory of the
+/// intended machines holds as a `Mesh`.
 pub const MOST_MESH_BYTES: u64 = 2 << 30;
-/// Most bytes of a table or map: a map of 2²⁸ / 4 pixels of 16 characters.
+/// Maximum number of bytes of a table or map: a map of 2²⁸ / 4 pixels of 16 characters.
 pub const MOST_TABLE_BYTES: u64 = 1 << 30;
-/// Most bytes of a text that people write or that lists files: thousands of times the largest in use.
+/// Maximum number of bytes of a text written by people or listing files: thousands of times the largest in use.
 pub const MOST_TEXT_BYTES: u64 = 256 << 20;
 
-/// Characters of a number that is quoted: `f64` needs no more.
+/// Maximum number of characters of a quoted number: `f64` needs no more.
 const NUMBER: usize = 24;
-/// Letters of a word that is quoted, such as `nan` or `missing`.
+/// Maximum number of letters of a quoted word, such as `nan` or `missing`.
 const WORD: usize = 8;
-/// Letters of a word for each one in which a slip of the pen may differ.
+/// A word may have one typing error for each of this many letters.
 const SLIPS: usize = 4;
-/// Characters of a line that is quoted.
+/// Maximum number of characters of a quoted line.
 const LINE: usize = 60;
 
-/// Why a file cannot be read.
+/// Error of a file that cannot be read.
 #[derive(Debug, Error)]
 pub enum InputError {
-    /// The file system refuses.
+    /// An operation of the file system failed.
     #[error("{}: cannot be read: {source}", path.display())]
     Io {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
         /// The error of the operating system.
         source: std::io::Error,
@@ -40,40 +41,40 @@ pub enum InputError {
     /// A folder, device, pipe or socket.
     #[error("{}: is {found}, and a regular file is accepted", path.display())]
     NotRegular {
-        /// The place that was asked for.
+        /// The requested path.
         path: PathBuf,
-        /// In words.
+        /// Kind of the object in words.
         found: &'static str,
     },
-    /// More than any such file has.
+    /// Too many bytes for such a file.
     #[error("{}: has {bytes} bytes, and at most {most} are accepted", path.display())]
     TooLarge {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
         /// Its length.
         bytes: u64,
-        /// Largest length that is accepted.
+        /// Maximum length.
         most: u64,
     },
-    /// More bytes than the file system says, as files of `/proc` have.
+    /// More bytes than the file system reports, as in files of `/proc`.
     #[error("{}: has more than the {bytes} bytes that the file system says; a file of fixed length is accepted", path.display())]
     Endless {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
-        /// Length that the file system says.
+        /// Length reported by the file system.
         bytes: u64,
     },
-    /// No text.
+    /// Not a text.
     #[error("{}: byte {byte} is not UTF-8; a text is accepted", path.display())]
     NotText {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
-        /// Its first byte that is none of a text, from 0.
+        /// First byte that is not valid UTF-8, from 0.
         byte: usize,
     },
 }
 
-/// The bytes of a regular file of at most `most` bytes.
+/// Reads the bytes of a regular file of at most `most` bytes.
 ///
 /// # Errors
 /// [`InputError`]
@@ -82,7 +83,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, InputError> {
     rest_of(&mut file, path, bytes)
 }
 
-/// As [`read`], but `refused` sees the length and the first bytes, at most `head` of them, before the rest is read.
+/// As [`read`], but `refused` checks the length and the first bytes, at most `head` of them, before the rest is read.
 ///
 /// # Errors
 /// The error that `refused` returns, or [`InputError`].
@@ -101,7 +102,7 @@ pub fn read_checked<E: From<InputError>>(
     Ok(first)
 }
 
-/// The text of a regular file of at most `most` bytes.
+/// Reads the text of a regular file of at most `most` bytes.
 ///
 /// # Errors
 /// [`InputError`]
@@ -117,7 +118,8 @@ fn open(path: &Path, most: u64) -> Result<(File, u64), InputError> {
         None if data.len() > most => Err(InputError::TooLarge { path: path.to_owned(), bytes: data.len(), most }),
         None => Ok(data.len()),
     };
-    // Before it is opened, as opening a pipe waits for its other end; then again, as another may lie there by now.
+    // Checked before opening, because opening a pipe waits for its other end; and again afterwards, because the file
+    // may have been replaced in between.
     check(&path.metadata().map_err(io)?)?;
     let file = File::open(path).map_err(io)?;
     let bytes = check(&file.metadata().map_err(io)?)?;
@@ -158,13 +160,13 @@ fn not_regular(data: &Metadata) -> Option<&'static str> {
     Some("no file")
 }
 
-/// As much of a file's text as an error may repeat: a number or a short word in quotation marks; of anything else, that
-/// it is text, and its length.
+/// The part of a file's text that an error may repeat: a number or a short word in quotation marks. For anything else,
+/// a statement that it is text, and its length.
 pub fn quoted(text: &str) -> String {
     if is_quotable(text) { format!("{text:?}") } else { measured(text) }
 }
 
-/// As [`quoted`], for a word that may be a slip of the pen: what is nearly a word that was expected is quoted, too.
+/// As [`quoted`], for a word with a possible typing error: a word close to an expected one is quoted, too.
 pub fn quoted_near<'a>(text: &str, expected: impl IntoIterator<Item = &'a str>) -> String {
     let is_near = |word: &str| {
         let slips = (word.len() / SLIPS).max(1);
@@ -173,10 +175,10 @@ pub fn quoted_near<'a>(text: &str, expected: impl IntoIterator<Item = &'a str>) 
     if is_quotable(text) || expected.into_iter().any(is_near) { format!("{text:?}") } else { measured(text) }
 }
 
-/// Names that [`quoted_names`] shows.
+/// Maximum number of names that [`quoted_names`] shows.
 const MOST_NAMES: usize = 20;
 
-/// As [`quoted_near`], for the names of a header; of many the first, and how many more there are.
+/// As [`quoted_near`], for the names of a header; only the first ones if there are many, and the number of the others.
 pub fn quoted_names<'a>(names: &[String], expected: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let shown = names.iter().take(MOST_NAMES).map(|name| quoted_near(name, expected.clone()));
     let shown = shown.collect::<Vec<_>>().join(", ");
@@ -186,7 +188,7 @@ pub fn quoted_names<'a>(names: &[String], expected: impl IntoIterator<Item = &'a
     }
 }
 
-/// As [`quoted`], for a line: a keyword and numbers, of which one may be none.
+/// As [`quoted`], for a line: a keyword and numbers, one of which may be invalid.
 pub fn quoted_line(line: &str) -> String {
     let line = line.trim();
     let words = || line.split_whitespace();
@@ -196,7 +198,7 @@ pub fn quoted_line(line: &str) -> String {
     if is_short { format!("`{line}`") } else { measured(line) }
 }
 
-/// That it is text, and its length.
+/// A statement that it is text, and its length.
 pub fn measured(text: &str) -> String {
     format!("text of {} characters", text.chars().count())
 }
@@ -207,12 +209,12 @@ fn is_quotable(text: &str) -> bool {
     (text.len() <= NUMBER && text.chars().all(is_number)) || (text.len() <= WORD && text.chars().all(is_word))
 }
 
-/// The message of a reader of TOML or JSON without what it repeats of the content.
+/// Removes from the message of a TOML or JSON reader the parts that repeat content.
 ///
-/// Those readers put what they found into quotation marks or between backticks: `invalid type: string "...", expected`.
-/// What they expected comes after that and stays.
+/// Those readers put the text found into quotation marks or between backticks: `invalid type: string "...", expected`.
+/// The expected type comes after that and is kept.
 pub fn without_content(message: &str) -> String {
-    // It names what is not in the file.
+    // It names a field that is not in the file.
     if message.starts_with("missing field") {
         return message.to_owned();
     }

@@ -1,4 +1,4 @@
-//! Several jobs that take turns at a list of work, in this process and beside others.
+//! Queue of jobs, shared by the threads of this process and coordinated with other processes.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -6,22 +6,23 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::file_lock::Patience;
 
-/// What the jobs share.
+/// Shared state of the threads.
 struct Turns<'a, T> {
     count: usize,
     next: AtomicUsize,
-    /// Turns whose work someone else was doing when they came.
+    /// Jobs that were locked by another process when their turn came.
     later: Mutex<Vec<usize>>,
     work: &'a (dyn Fn(usize, Patience) -> Option<T> + Sync),
 }
 
-/// Works through the turns `0..count` with `jobs` threads and calls `done` here with each outcome, as it comes in.
+/// Runs the jobs `0..count` with `jobs` threads and calls `done` on this thread with each outcome, in order of
+/// completion.
 ///
-/// `work` gives `None` where it has no patience for what someone else is doing; that turn comes again at the end, with
-/// endless patience.
+/// `work` returns `None` if another process holds the job and no waiting was requested. That job runs again at the end,
+/// with unlimited waiting.
 ///
 /// # Errors
-/// The first one of `done`; turns that were not taken then are not taken any more.
+/// The first error of `done`; jobs that have not started by then are skipped.
 pub fn take_turns<T: Send, E>(
     count: usize,
     jobs: usize,
@@ -41,7 +42,7 @@ pub fn take_turns<T: Send, E>(
 }
 
 impl<T> Turns<'_, T> {
-    /// One job: turn after turn, and those of others at the end, when they probably are done.
+    /// One thread: takes job after job, and at the end those of other processes, which have probably finished by then.
     fn take(&self, outcomes: &Sender<(usize, T)>) {
         let later = || self.later.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -56,7 +57,7 @@ impl<T> Turns<'_, T> {
                 later().push(turn);
                 continue;
             };
-            // After an error of its own, nobody listens any more.
+            // After an error in `done` the receiver is gone.
             if outcomes.send((turn, outcome)).is_err() {
                 return;
             }

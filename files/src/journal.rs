@@ -1,9 +1,9 @@
-//! Simulations that were made, on disk: a search that was interrupted goes on without making them again.
+//! Journal of finished simulations on disk: an interrupted search continues without repeating them.
 //!
-//! A search is a function of its data, its model and its seed, and all that takes long in it are simulations. So it is
-//! begun again, and each simulation that the journal holds is read instead of made: the bytes of its results are those
-//! of an undisturbed run. An entry is its key, its length, the first bytes of its hash, and its content; one that was
-//! cut short ends the journal.
+//! A search is a function of its data, its model and its seed, and almost all of its time goes into simulations. So it
+//! is started again, and each simulation that the journal holds is read instead of run. The results have the bytes of
+//! an uninterrupted run. An entry consists of its key, its length, the first bytes of its hash, and its content; a
+//! truncated entry ends the journal.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -16,15 +16,16 @@ use sha2::{Digest, Sha256};
 
 /// Bytes of a key.
 const KEY: usize = 32;
-/// Bytes of the length, and of the hash of the content, that are kept.
+/// Bytes of the stored length, and of the stored hash of the content.
 const WORD: usize = 8;
-/// Most bytes of a journal: a hundred thousand simulations of the eight thousand tiles that eight scans have at most.
+/// Maximum number of bytes of a journal: a hundred thousand simulations of the eight thousand tiles that eight scans
+/// have at most.
 const MOST_BYTES: u64 = 8 << 30;
 
 /// Key of an entry.
 pub type Key = [u8; KEY];
 
-/// Simulations by what decides them.
+/// Finished simulations by the hash of their inputs.
 pub struct Journal {
     place: PathBuf,
     context: Key,
@@ -33,17 +34,18 @@ pub struct Journal {
 
 struct Kept {
     entries: HashMap<Key, Vec<u8>>,
-    /// Absent until there is something to keep.
+    /// `None` until there is something to store.
     file: Option<File>,
 }
 
 impl Journal {
-    /// Opens a journal, or begins one; its file and folder are made for the first entry.
+    /// Opens or starts a journal; its file and folder are created for the first entry.
     ///
-    /// - `context`: whatever decides the simulations beside their keys, such as the measurements and the program
+    /// - `context`: everything that determines the simulations besides their keys, such as the measurements and the
+    ///   program
     ///
     /// # Errors
-    /// When a file that is there cannot be read or written.
+    /// If an existing file cannot be read or written.
     pub fn open(file: &Path, context: &str) -> Result<Self, InputError> {
         let failed = |source| InputError::Io { path: file.to_owned(), source };
         let mut kept = Kept { entries: HashMap::new(), file: None };
@@ -56,7 +58,7 @@ impl Journal {
         Ok(Self { place: file.to_owned(), context: Sha256::digest(context).into(), kept: Mutex::new(kept) })
     }
 
-    /// Number of simulations that it holds.
+    /// Number of stored simulations.
     pub fn len(&self) -> usize {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).entries.len()
     }
@@ -66,7 +68,7 @@ impl Journal {
         self.len() == 0
     }
 
-    /// The key of what these texts decide.
+    /// The key of a result that is determined by these texts.
     pub fn key(&self, texts: &[&str]) -> Key {
         let mut hash = Sha256::new_with_prefix(self.context);
         for text in texts {
@@ -76,12 +78,12 @@ impl Journal {
         hash.finalize().into()
     }
 
-    /// The bytes that were kept under a key.
+    /// The bytes stored under a key.
     pub fn find(&self, key: &Key) -> Option<Vec<u8>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).entries.get(key).cloned()
     }
 
-    /// Keeps something. Where the disk is full, nothing is kept from then on, and the search goes on.
+    /// Stores an entry. If the disk is full, nothing is stored from then on, and the search continues.
     pub fn keep(&self, key: Key, content: &[u8]) {
         let length = (content.len() as u64).to_le_bytes();
         let entry = [&key[..], &length, &Sha256::digest(content)[..WORD], content].concat();
@@ -92,13 +94,13 @@ impl Journal {
         if kept.file.is_none() {
             kept.file = begun(&self.place).ok();
         }
-        // A failed write leaves a cut entry, which the next run drops with all after it.
+        // A failed write leaves a truncated entry, which the next run drops with everything after it.
         let _: Option<io::Result<()>> = kept.file.as_mut().map(|file| file.write_all(&entry));
         kept.entries.insert(key, content.to_owned());
     }
 }
 
-/// A file to append to, with the folder around it.
+/// Creates a file to append to, and the folder around it.
 fn begun(file: &Path) -> io::Result<File> {
     file.parent().map_or(Ok(()), fs::create_dir_all)?;
     appended(file)
@@ -108,7 +110,7 @@ fn appended(file: &Path) -> io::Result<File> {
     File::options().create(true).append(true).open(file)
 }
 
-/// The entries of a journal, and the bytes that they take up.
+/// The entries of a journal, and their total length in bytes.
 fn entries(bytes: &[u8]) -> (HashMap<Key, Vec<u8>>, usize) {
     let mut entries = HashMap::new();
     let mut at = 0;

@@ -1,4 +1,4 @@
-//! JSON files that the program reads: regular files alone, and errors that repeat nothing of what they hold.
+//! Reading of JSON files: only regular files, and errors that do not repeat their content.
 
 use std::fs;
 use std::path::Path;
@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use crate::error::FileError;
 use crate::input::{self, MOST_TEXT_BYTES, without_content};
 
-/// Reads a JSON file that should be `what`, such as `the record of an image`.
+/// Reads a JSON file with the expected content `what`, such as `the record of an image`.
 ///
 /// # Errors
-/// When the file cannot be read or holds something else: what was found by its type and length, and what is accepted.
+/// If the file cannot be read or holds something else. The error gives the type and length found, and what is accepted.
 pub fn read_json<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, FileError> {
     parse_json(path, &input::read_text(path, MOST_TEXT_BYTES)?, what)
 }
@@ -20,7 +20,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, File
 /// As [`read_json`], for a text that was read from `path`.
 ///
 /// # Errors
-/// As there.
+/// As for [`read_json`].
 pub fn parse_json<T: DeserializeOwned>(path: &Path, text: &str, what: &str) -> Result<T, FileError> {
     serde_json::from_str(text).map_err(|error| FileError::Content {
         place: path.to_owned(),
@@ -32,7 +32,7 @@ pub fn parse_json<T: DeserializeOwned>(path: &Path, text: &str, what: &str) -> R
 /// Writes a value as indented JSON.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// If the file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
     let mut text = serde_json::to_string_pretty(value).map_err(FileError::encoding(path))?;
     text.push('\n');

@@ -1,12 +1,13 @@
-//! Files that are read with limits and written whole or not at all. Nothing here knows what is in them.
+//! Files that are read with limits and written completely or not at all. This crate does not know their content.
 //!
-//! 1. [`input`] opens regular files alone, of a stated size; [`json_file`] reads JSON, and [`named_file`] finds the files
-//!    that a manifest names, within its folder.
-//! 2. [`output`] says what a command may replace, and [`folder`] writes beside the place and renames (`staging`).
-//! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] keeps finished work for a run
-//!    that goes on after an interruption; [`program`] says what starts another process.
+//! 1. [`input`] opens only regular files, of a limited size; [`json_file`] reads JSON, and [`named_file`] finds the
+//!    files that a manifest names, within its folder.
+//! 2. [`output`] decides what a command may replace, and [`folder`] writes beside the final path and renames
+//!    (`staging`).
+//! 3. [`file_lock`], [`job_queue`] and [`room`] share work among threads and processes; [`journal`] stores finished
+//!    work for a run that continues after an interruption; [`program`] gives the command that starts another process.
 //!
-//! This crate never prints and never chooses a place by itself.
+//! This crate never prints and never chooses a path by itself.
 
 mod error;
 pub mod file_lock;

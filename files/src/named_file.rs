@@ -1,28 +1,28 @@
-//! Files that a manifest names: they lie in its folder, unless `--allow-outside` says otherwise.
+//! Files that a manifest names: they must lie in its folder, unless `--allow-outside` is given.
 //!
-//! Whoever sends a folder of measurements must not be able to have other files of the reader's opened and shown.
+//! The sender of a folder of measurements must not be able to have other files of the reader opened and shown.
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// True if files outside are accepted, in the whole process.
+/// True if files outside are accepted, for the whole process.
 static OUTSIDE: AtomicBool = AtomicBool::new(false);
 
-/// Why a named file is not opened.
+/// Reason why a named file is not opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Absent {
-    /// It lies outside the folder, after all links are followed.
+    /// It lies outside the folder, after resolving all links.
     Outside,
     /// There is no such file.
     Missing,
 }
 
-/// From now on manifests may name files anywhere.
+/// Allows manifests to name files anywhere from now on.
 pub fn allow_outside() {
     OUTSIDE.store(true, Ordering::Relaxed);
 }
 
-/// The place of a file that a manifest in `folder` names. Whether a file outside exists is not said.
+/// The path of a file that a manifest in `folder` names. The error does not reveal if a file outside exists.
 pub fn place(folder: &Path, name: &Path) -> Result<PathBuf, Absent> {
     let path = folder.join(name);
     if OUTSIDE.load(Ordering::Relaxed) {

@@ -1,4 +1,4 @@
-//! What a verb may replace at `--out`: its own result, and never an input.
+//! Rules for replacing an existing `--out`: a verb may replace its own earlier result, and never an input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::error::{FileError, wrong_use};
 
-/// Files that make a folder a result, whose other files belong to it.
+/// Marker files that make a folder a result; all its other files belong to it.
 const RESULTS: [&str; 12] = [
     "asset.json",
     "calibration.json",
@@ -22,19 +22,19 @@ const RESULTS: [&str; 12] = [
     "study.json",
     "cache.json",
 ];
-/// The same for measurements.
+/// Marker files of measurements.
 const MEASUREMENTS: [&str; 2] = ["table.toml", "trial.toml"];
-/// Ending of the folder beside an output that keeps its work until it ends.
+/// Suffix of the folder beside an output that holds intermediate work until the run ends.
 pub const UNFINISHED: &str = ".unfinished";
-/// Files that file managers leave in every folder.
+/// Files that file managers create in every folder.
 const NO_ONES: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// Where a verb writes, and what it must leave alone.
+/// Output path of a verb, and what it must not touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Out<'a> {
-    /// The place asked for.
+    /// The requested path.
     pub place: &'a Path,
-    /// Whether an earlier result there may be replaced.
+    /// True if an earlier result there may be replaced.
     pub force: bool,
     /// Files and folders that the verb reads.
     pub inputs: &'a [&'a Path],
@@ -43,28 +43,28 @@ pub struct Out<'a> {
 /// A folder that a verb writes.
 #[derive(Clone, Copy, Debug)]
 pub struct FolderKind {
-    /// The file by which it is known: a JSON object.
+    /// Marker file of the kind: a JSON object.
     pub marker: &'static str,
     /// A key of that object.
     pub key: &'static str,
-    /// Names of all other files, with the folder below it that they are in; `*` stands for any characters of a name.
+    /// Names of all other files, with their subfolder; `*` stands for any characters of a name.
     pub names: &'static [(&'static str, &'static [&'static str])],
 }
 
 /// A file that a verb writes.
 #[derive(Clone, Copy, Debug)]
 pub struct FileKind {
-    /// In a few words.
+    /// Description in a few words.
     pub what: &'static str,
-    /// Whether a file is one.
+    /// Returns true if a file is of this kind.
     pub is_own: fn(&Path) -> bool,
 }
 
 impl FolderKind {
-    /// Refuses a folder that holds anything but what an earlier, perhaps unfinished, run of this kind wrote.
+    /// Refuses a folder that holds anything other than the files of an earlier, perhaps unfinished, run of this kind.
     ///
     /// # Errors
-    /// Wrong use.
+    /// Wrong usage.
     pub fn check_continued(&self, place: &Path) -> Result<(), FileError> {
         let marker = place.join(self.marker);
         let refused = |name: &Path| {
@@ -85,15 +85,15 @@ impl FolderKind {
 }
 
 impl<'a> Out<'a> {
-    /// A place for something new.
+    /// An output that replaces nothing.
     pub fn fresh(place: &'a Path) -> Self {
         Self { place, force: false, inputs: &[] }
     }
 
-    /// Refuses a place that is taken by anything but an earlier folder of this kind that may be replaced.
+    /// Refuses a path that is occupied, except by an earlier folder of this kind that may be replaced.
     ///
     /// # Errors
-    /// Wrong use.
+    /// Wrong usage.
     pub fn check_folder(&self, kind: &FolderKind) -> Result<(), FileError> {
         if !self.may_replace()? {
             return Ok(());
@@ -124,10 +124,10 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// Refuses a place that is taken by anything but an earlier file of this kind that may be replaced.
+    /// Refuses a path that is occupied, except by an earlier file of this kind that may be replaced.
     ///
     /// # Errors
-    /// Wrong use.
+    /// Wrong usage.
     pub fn check_file(&self, kind: &FileKind) -> Result<(), FileError> {
         if !self.may_replace()? {
             return Ok(());
@@ -147,7 +147,7 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// Whether there is something to replace, and it may be, as far as inputs and `--force` tell.
+    /// Returns true if there is something to replace, and inputs and `--force` allow it.
     fn may_replace(&self) -> Result<bool, FileError> {
         self.refuse_inputs()?;
         if !is_occupied(self.place) {
@@ -162,7 +162,7 @@ impl<'a> Out<'a> {
         )))
     }
 
-    /// Refuses an input, a folder that holds one, and a file that lies in one, by whatever way they are named.
+    /// Refuses an input, a folder that contains one, and a file inside one, however their paths are written.
     fn refuse_inputs(&self) -> Result<(), FileError> {
         let Ok(place) = fs::canonicalize(self.place) else { return Ok(()) };
         for input in self.inputs {
@@ -183,19 +183,19 @@ impl<'a> Out<'a> {
     }
 }
 
-/// True for a folder that holds results: of a verb that has ended, that is under way, or that was interrupted.
+/// True for a folder that holds results of a verb that has ended, is running, or was interrupted.
 pub fn holds_results(folder: &Path) -> bool {
     let name = folder.file_name().unwrap_or_default().to_string_lossy();
     let has = |markers: &[&str]| markers.iter().any(|marker| folder.join(marker).is_file());
     is_staged(&name) || name.ends_with(UNFINISHED) || (has(&RESULTS) && !has(&MEASUREMENTS))
 }
 
-/// True for the name of an output in the making.
+/// True for the temporary name of an output in progress.
 fn is_staged(name: &str) -> bool {
     name.starts_with('.') && name.contains(".part-")
 }
 
-/// True if a file, folder or link is at a place.
+/// Returns true if a file, folder or link is at a path.
 pub fn is_occupied(target: &Path) -> bool {
     match fs::read_dir(target) {
         Ok(mut entries) => entries.next().is_some(),
@@ -203,14 +203,14 @@ pub fn is_occupied(target: &Path) -> bool {
     }
 }
 
-/// Whether the first JSON value of a file is an object with a key.
+/// Returns true if the first JSON value of a file is an object with this key.
 fn has_key(file: &Path, key: &str) -> bool {
     let Ok(file) = fs::File::open(file) else { return false };
     let mut values = serde_json::Deserializer::from_reader(std::io::BufReader::new(file)).into_iter::<Value>();
     matches!(values.next(), Some(Ok(value)) if value.get(key).is_some())
 }
 
-/// The first file below a folder that is none of its kind.
+/// The first file below a folder that does not belong to its kind.
 fn foreign(folder: &Path, kind: &FolderKind) -> Option<PathBuf> {
     let entries = walkdir::WalkDir::new(folder).min_depth(1).sort_by_file_name();
     let is_foreign = |path: &Path| {
@@ -228,7 +228,7 @@ fn foreign(folder: &Path, kind: &FolderKind) -> Option<PathBuf> {
     })
 }
 
-/// Whether a path fits a pattern, in which `*` stands for any characters of a name.
+/// Returns true if a path matches a pattern, in which `*` stands for any characters of a name.
 fn fits(pattern: &str, path: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == path,

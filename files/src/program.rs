@@ -1,4 +1,4 @@
-//! The program itself: the file that holds its code, and the words that start another process of it.
+//! The running program: the file of its code, and the command that starts another process of it.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,17 +11,17 @@ static HOSTED: OnceLock<Program> = OnceLock::new();
 /// The program of this process.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// Holds its code: another build is another file.
+    /// File with its code; another build is another file.
     pub file: PathBuf,
-    /// Program that is started, with its first arguments.
+    /// Command that starts it: the program and its first arguments.
     pub start: Vec<OsString>,
 }
 
 impl Program {
-    /// The program that runs: the executable, unless a host was named.
+    /// The running program: the executable, unless a host was set.
     ///
     /// # Errors
-    /// When the system does not know the executable.
+    /// If the system does not report the executable.
     pub fn of_this_process() -> io::Result<Self> {
         if let Some(hosted) = HOSTED.get() {
             return Ok(hosted.clone());
@@ -30,8 +30,8 @@ impl Program {
         Ok(Self { start: vec![file.clone().into()], file })
     }
 
-    /// Names what is started instead of the executable, which is an interpreter that has loaded the program. Only the first
-    /// call counts.
+    /// Sets the command that is started instead of the executable, which is an interpreter that has loaded the program.
+    /// Only the first call has an effect.
     pub fn host(self) {
         HOSTED.get_or_init(|| self);
     }

@@ -1,27 +1,27 @@
-//! Room that jobs at once share.
+//! Budget shared by concurrent jobs.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// An amount that jobs share, such as of memory; a job waits until its share is free.
+/// A shared amount, such as a memory budget; a job waits until its share is free.
 pub struct Room {
     most: f64,
     used: Mutex<f64>,
     freed: Condvar,
 }
 
-/// A share of a room, free again when dropped.
+/// A share of a budget, released when dropped.
 pub struct Share<'a> {
     room: &'a Room,
     amount: f64,
 }
 
 impl Room {
-    /// A room of a size.
+    /// A budget of a size.
     pub fn new(most: f64) -> Self {
         Self { most, used: Mutex::new(0.0), freed: Condvar::new() }
     }
 
-    /// Waits for room; a job alone always gets it.
+    /// Waits for a share; a job that runs alone always gets it.
     pub fn share(&self, amount: f64) -> Share<'_> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         let is_full = |used: &mut f64| *used > 0.0 && *used + amount > self.most;

@@ -1,8 +1,8 @@
-//! Places beside an output where it is written first: one run at a time for each output, removed when the run ends in
-//! whatever way.
+//! Temporary paths beside an output, where it is written first. Each output has one run at a time, and the path is
+//! removed whenever the run ends, in any way.
 //!
-//! A place is called `.NAME.part-PID` and locked by its process. The lock ends with the process, so a place without one
-//! belongs to a run that was killed; the next run for the same output removes it.
+//! A temporary path is named `.NAME.part-PID` and locked by its process. The lock ends with the process, so an unlocked
+//! path belongs to a run that was killed; the next run for the same output removes it.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -13,24 +13,25 @@ use std::time::Duration;
 
 use crate::error::FileError;
 
-/// Attempts to remove a place that other threads still write into, and the time between two of them.
+/// Number of attempts to remove a path that other threads still write to, and the time between them.
 const ATTEMPTS: (usize, Duration) = (20, Duration::from_millis(10));
-/// Ending of the place where a replaced output waits until the new one is in its place.
+/// Suffix under which a replaced output is kept until the new one is in place.
 const OLD: &str = ".old";
 const MAKE: &str = "cannot make this folder";
 const BUSY: &str = "another run is writing this; wait for its end, or choose another --out";
 
-/// Everything that this process has staged.
+/// All paths that this process has staged.
 static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn staged() -> MutexGuard<'static, Vec<PathBuf>> {
     STAGED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes everything that this process has staged. While the answer lives, nothing is staged, renamed or removed.
+/// Removes all paths that this process has staged. While the returned guard lives, nothing is staged, renamed or
+/// removed.
 pub fn remove_all() -> impl Sized {
     let staged = staged();
-    // An inner place goes with the outer one.
+    // An inner path is removed with the outer one.
     for path in staged.iter() {
         remove(path);
     }
@@ -43,13 +44,13 @@ fn remove(path: &Path) {
         match removed {
             Ok(()) => return,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return,
-            // Another thread may have written into it meanwhile.
+            // Another thread may have written to it in the meantime.
             Err(_) => sleep(ATTEMPTS.1),
         }
     }
 }
 
-/// A folder or file in the making. Dropped, it is removed.
+/// A folder or file in progress; removed when dropped.
 pub(crate) struct Staging {
     path: PathBuf,
     target: PathBuf,
@@ -60,7 +61,7 @@ impl Staging {
     /// An empty folder that will become `target`.
     ///
     /// # Errors
-    /// When another run writes `target`, or the parent folder cannot be written.
+    /// If another run is writing `target`, or the parent folder cannot be written.
     pub(crate) fn folder(target: &Path) -> Result<Self, FileError> {
         Self::new(target, |path| fs::create_dir(path).map_err(FileError::at(path, MAKE)))
     }
@@ -68,7 +69,7 @@ impl Staging {
     /// An empty file that will become `target`.
     ///
     /// # Errors
-    /// As [`Staging::folder`].
+    /// As for [`Staging::folder`].
     pub(crate) fn file(target: &Path) -> Result<Self, FileError> {
         Self::new(target, |path| {
             let made = File::create_new(path).map(|_| ());
@@ -89,26 +90,27 @@ impl Staging {
         hidden.push(format!(".part-{}", std::process::id()));
         let path = parent.join(hidden);
         make(&path)?;
-        // A file system without locks gives none: runs then do not see each other, and nothing is removed for them.
+        // Without file locks in the file system, runs do not see each other, and nothing is removed for them.
         let lock = File::open(&path).ok().filter(|file| file.try_lock().is_ok());
         staged.push(path.clone());
         Ok(Self { path, target: target.to_owned(), _lock: lock })
     }
 
-    /// Where to write for now.
+    /// Temporary path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where it will be.
+    /// Final path.
     pub(crate) fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Moves it to its place. With `replace`, what is there gives way and is removed once the new one is there.
+    /// Moves it to its final path. With `replace`, an existing output is moved aside, and removed once the new one is
+    /// in place.
     ///
     /// # Errors
-    /// When the file system refuses a rename; what was there is then still there.
+    /// If the file system refuses a rename; the existing output is kept then.
     pub(crate) fn commit(self, replace: bool) -> Result<(), FileError> {
         let failed = || FileError::at(&self.target, "cannot put the finished result here");
         let mut old = self.path.clone().into_os_string();
@@ -139,20 +141,20 @@ impl Drop for Staging {
         let mut staged = staged();
         staged.retain(|path| *path != self.path);
         if self.path.symlink_metadata().is_ok() {
-            // Nothing can be reported from here; a leftover carries a name that says what it is.
+            // Errors cannot be reported here; the name of a leftover says what it is.
             remove(&self.path);
         }
     }
 }
 
-/// The right to look at the places in a folder and to make one, held for an instant.
+/// Exclusive access to the paths in a folder, held briefly to inspect them and to create one.
 struct Turn {
     _lock: Option<File>,
 }
 
 impl Turn {
-    /// Waits for it; a file system without locks gives none. A folder that this process has staged is its own and locked
-    /// already: there is nobody to wait for.
+    /// Waits for access; without file locks in the file system there is no waiting. A folder that this process has
+    /// staged is its own and already locked: no other process competes for it.
     fn take(folder: &Path) -> Self {
         if staged().iter().any(|own| folder.starts_with(own)) {
             return Self { _lock: None };
@@ -161,7 +163,8 @@ impl Turn {
     }
 }
 
-/// Removes what killed runs left of an output, and puts back what one had moved away. Only for who has the turn.
+/// Removes the leftovers of killed runs for an output, and restores an output that one had moved aside. Requires
+/// exclusive access.
 fn sweep(target: &Path) -> Result<(), FileError> {
     let mut moved_away = Vec::new();
     for (place, is_old) in places(target) {
@@ -187,7 +190,7 @@ fn sweep(target: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Places of an output beside it, and whether each holds what was replaced.
+/// Temporary paths of an output, with true for those that hold a replaced output.
 fn places(target: &Path) -> Vec<(PathBuf, bool)> {
     let (Some(parent), Some(name)) = (target.parent(), target.file_name()) else { return Vec::new() };
     let prefix = format!(".{}.part-", name.to_string_lossy());

@@ -1,5 +1,5 @@
-//! Writes the maps that `tests/files/scripts/check.py` lets other programs read: those that the crate writes, and those of
-//! formats that no free program writes.
+//! Writes the maps that `tests/files/scripts/check.py` opens with other programs: those that the crate writes, and
+//! those of formats that no free program writes.
 //!
 //! `cargo run -p robofin-instruments --example samples FOLDER`
 

@@ -1,4 +1,4 @@
-//! Prints how long a map of a million pixels takes in each format: `cargo run --release --example timings`.
+//! Prints the reading time of a map with a million pixels in each format: `cargo run --release --example timings`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -21,7 +21,7 @@ fn map() -> Surface {
     Surface { format: "X3P", nx: SIDE, ny: SIDE, pitch, origin: None, heights, notes: Vec::new() }
 }
 
-/// A text of each pixel.
+/// A text with one cell per pixel.
 fn text(header: &str, cell: impl Fn(&mut String, usize, usize)) -> Vec<u8> {
     let mut text = header.to_owned();
     for j in 0..SIDE {

@@ -1,11 +1,11 @@
-//! Files as scanners and robots write them: what stands in them, in SI, before anybody says what it means.
+//! Readers of the files of scanners and robots: contents in SI, without interpretation.
 //!
 //! 1. [`surface`] reads and writes height maps: exports of instruments, grids, meshes.
-//! 2. [`log`] reads what robots and sensors reported row by row, and guesses which channel is what.
+//! 2. [`log`] reads the rows that robots and sensors report, and guesses the quantity of each channel.
 //! 3. [`program`] reads and writes the tool paths of machines and robots.
-//! 4. [`text_table`] reads rows of cells whatever separates them.
+//! 4. [`text_table`] reads rows of cells with any separator.
 //!
-//! A [`Misread`] tells the place in the file, what was found, and what would be accepted.
+//! A [`Misread`] gives the place in the file, the content found, and the content accepted.
 
 pub mod log;
 mod misread;

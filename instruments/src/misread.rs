@@ -1,4 +1,4 @@
-//! Why a file cannot be read, and where.
+//! Errors of reading a file, with their place.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -13,22 +13,22 @@ pub struct Place {
     pub file: PathBuf,
     /// Line, from 1.
     pub line: Option<u64>,
-    /// Column, from 1: of cells in a table, of characters elsewhere.
+    /// Column, from 1: a cell in tables, a character elsewhere.
     pub column: Option<u64>,
 }
 
-/// Why a file cannot be read.
+/// Error of a file that cannot be read.
 #[derive(Debug, Error)]
 pub enum Misread {
-    /// No regular file, or one that is too large.
+    /// Not a regular file, or too large.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The content is not what the format says.
+    /// The content does not follow the format.
     #[error("{place}: {found}; {accepted}")]
     Bad {
-        /// Where.
+        /// Place in the file.
         place: Place,
-        /// The content at that place, quoted as far as an error may.
+        /// The content at that place, quoted as far as an error message allows.
         found: String,
         /// The content that is accepted.
         accepted: String,
@@ -64,7 +64,7 @@ impl Place {
         Self { line: Some(line), column: None, ..self }
     }
 
-    /// The error that something else was expected here, in the terms of the caller.
+    /// An error at this place, as the caller's error type: the content found and the content accepted.
     pub fn bad<E: From<Misread>>(self, found: impl Into<String>, accepted: impl Into<String>) -> E {
         Misread::Bad { place: self, found: found.into(), accepted: accepted.into() }.into()
     }

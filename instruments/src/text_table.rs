@@ -1,4 +1,4 @@
-//! Text tables as programs and people write them: the separator, the decimal mark and the line ends are sniffed.
+//! Text tables of programs and people, with detection of separator, decimal mark and line ends.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -7,16 +7,16 @@ use files::input::{self, MOST_TABLE_BYTES, quoted};
 
 use crate::misread::{Misread, Place};
 
-/// Lines looked at to tell what separates cells.
+/// Number of lines from which the separator is detected.
 const SNIFFED_LINES: usize = 50;
 
-/// A table's text and what was understood of it.
+/// A table's text and its detected format.
 pub struct TextTable<'a> {
     file: PathBuf,
     text: Cow<'a, [u8]>,
     separator: u8,
     decimal_comma: bool,
-    /// What was understood, in sentences, where it is not the plain case.
+    /// Notes on the interpretation of unusual files, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl TextTable<'static> {
     /// Reads a file that must hold text.
     ///
     /// # Errors
-    /// [`Misread`] where it is no text.
+    /// [`Misread`] if it is not a text.
     pub fn read(file: &Path) -> Result<Self, Misread> {
         let bytes = input::read(file, MOST_TABLE_BYTES)?;
         Self::parse(file, bytes.into())
@@ -40,10 +40,10 @@ impl TextTable<'static> {
 }
 
 impl<'a> TextTable<'a> {
-    /// Understands the bytes of a file.
+    /// Detects the format of a file's bytes.
     ///
     /// # Errors
-    /// [`Misread`] where they are no text.
+    /// [`Misread`] if they are not a text.
     pub fn parse(file: &Path, mut text: Cow<'a, [u8]>) -> Result<Self, Misread> {
         const ACCEPTED: &str = "a table in UTF-8 or ASCII is expected";
         if text.starts_with(&[0xff, 0xfe]) || text.starts_with(&[0xfe, 0xff]) {
@@ -76,15 +76,15 @@ impl<'a> TextTable<'a> {
         &self.file
     }
 
-    /// Whether the last line is not ended, as where writing was cut short.
+    /// Returns true if the last line is not terminated, as after an interrupted write.
     pub fn ends_within_a_line(&self) -> bool {
         !self.text.ends_with(b"\n") && !self.text.ends_with(b"\r")
     }
 
-    /// Calls `each` with every row that is not empty, in order, until it answers false.
+    /// Calls `each` with every non-empty row, in order, until it returns false.
     ///
     /// # Errors
-    /// [`Misread`] where the text makes no rows, and those of `each`.
+    /// [`Misread`] if the text cannot be split into rows, and the errors of `each`.
     pub fn rows<E: From<Misread>>(&self, mut each: impl FnMut(&TextRow) -> Result<bool, E>) -> Result<(), E> {
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(self.separator)
@@ -108,7 +108,7 @@ impl<'a> TextTable<'a> {
 }
 
 impl TextTable<'_> {
-    /// The line of a row: a reader that was left between CR and LF stands before the ends of lines that come first.
+    /// Line number of a row. A reader that stopped between CR and LF is still before the following line ends.
     fn line_of(&self, position: &csv::Position) -> u64 {
         let rest = &self.text[(position.byte() as usize).min(self.text.len())..];
         let ends = rest.iter().take_while(|c| b"\r\n".contains(c)).filter(|&&c| c == b'\n').count();
@@ -116,7 +116,7 @@ impl TextTable<'_> {
     }
 }
 
-/// The text behind the mark of UTF-8.
+/// The text without a UTF-8 byte-order mark.
 fn without_mark(text: Cow<[u8]>) -> Cow<[u8]> {
     match text {
         Cow::Borrowed(text) => Cow::Borrowed(&text[3..]),
@@ -127,7 +127,7 @@ fn without_mark(text: Cow<[u8]>) -> Cow<[u8]> {
     }
 }
 
-/// Separator, and whether decimals are written with commas.
+/// Separator, and true if decimals are written with commas.
 fn sniff(text: &[u8]) -> (u8, bool) {
     let lines = || text.split(|&c| c == b'\n').filter(|line| !line.trim_ascii().is_empty()).take(SNIFFED_LINES);
     let count = |wanted: u8| -> usize {
@@ -162,17 +162,17 @@ impl TextRow<'_> {
         self.record.is_empty()
     }
 
-    /// A cell's bytes without blanks around them; empty beyond the row.
+    /// A cell's bytes without surrounding white space; empty beyond the row.
     pub fn cell(&self, column: usize) -> &[u8] {
         self.record.get(column).unwrap_or_default().trim_ascii()
     }
 
-    /// A cell as text for people, shortened.
+    /// A cell as shortened text for messages.
     pub fn text(&self, column: usize) -> String {
         String::from_utf8_lossy(self.cell(column)).chars().take(40).collect()
     }
 
-    /// As much of a cell as an error may repeat.
+    /// The part of a cell that an error may repeat.
     pub fn shown(&self, column: usize) -> String {
         quoted(&String::from_utf8_lossy(self.cell(column)))
     }

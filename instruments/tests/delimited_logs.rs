@@ -1,4 +1,4 @@
-//! Delimited logs in the ways in which programs and people write them.
+//! Delimited logs in the formats of programs and people.
 
 mod damage;
 

@@ -1,4 +1,5 @@
-//! Formats that no free program writes: bytes made here, which surfalize and SurfaceTopography read equally.
+//! Formats that no free program writes: bytes made here, which surfalize and SurfaceTopography read with the same
+//! result.
 
 mod common;
 

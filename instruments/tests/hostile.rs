@@ -1,4 +1,4 @@
-//! Damaged and shortened files: an error or a map, never a panic, and never more memory than the bytes justify.
+//! Damaged and truncated files give an error or a map, never a panic, and never use more memory than the bytes justify.
 
 mod common;
 
@@ -8,14 +8,14 @@ use common::{encoders, sample};
 use instruments::Misread;
 use instruments::surface::{self, Source, Surface, Window};
 
-/// Damages of each file.
+/// Number of damaged copies of each file.
 const DAMAGES: u64 = 400;
-/// Lengths to which each file is cut.
+/// Number of lengths to which each file is truncated.
 const CUTS: usize = 120;
-/// Pixels for each byte of a sample that may come out at most; deflate packs a thousand bytes into one.
+/// Maximum number of pixels per byte of a sample; deflate compresses a thousand bytes into one.
 const MOST_PIXELS_PER_BYTE: usize = 4000;
 
-/// Every sample, made by others or by an encoder of ours.
+/// Every sample, from other programs or from an encoder of this crate.
 fn samples() -> Vec<(PathBuf, Vec<u8>)> {
     let folder = sample("");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -64,7 +64,7 @@ fn damaged_files_are_read_or_refused() {
         let mut stream = Stream(1);
         for damage in 0..DAMAGES {
             let mut damaged = bytes.clone();
-            // Headers lie at the start and, of zips, at the end; half of the damages fall there.
+            // Headers are at the start and, in zips, at the end; half of the damage falls there.
             let at = match damage % 4 {
                 0 => stream.below(bytes.len().min(600)),
                 1 => bytes.len() - 1 - stream.below(bytes.len().min(400)),
@@ -90,7 +90,7 @@ fn shortened_files_are_read_or_refused() {
     }
 }
 
-/// A binary file that is cut is refused; a text may end with a line.
+/// A truncated binary file is refused; a text may end with any line.
 #[test]
 fn binary_files_cut_in_half_are_refused() {
     for (file, bytes) in samples() {

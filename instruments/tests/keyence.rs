@@ -1,4 +1,4 @@
-//! Text exports of Keyence's VR series, in the variants that were met.
+//! Text exports of Keyence's VR series, in all known variants.
 
 mod common;
 

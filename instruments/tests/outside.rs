@@ -1,11 +1,11 @@
-//! Files that other programs wrote: one map in all formats, made by `files/scripts/make.py`.
+//! Files written by other programs: one map in all formats, made by `files/scripts/make.py`.
 
 mod common;
 
 use common::{FULL, MapOf, NX, NY, PITCH, compare, height, is_hole, read, sample};
 use glam::DVec2;
 
-/// Share of the height range by which a height may differ beyond what the format itself rounds.
+/// Tolerance of a height beyond the rounding of the format, as a share of the height range.
 const EXACT: f64 = 1e-9;
 
 /// A sample, its format, and the rounding of its heights [m].
@@ -85,7 +85,7 @@ fn an_ascii_grid_of_gdal_begins_in_the_north() {
     assert!(surface.notes.iter().any(|note| note.contains("cells say -9999.0")), "{:?}", surface.notes);
 }
 
-/// Its rows are taken in the order of the file, as ISO 25178-72 says, while surfalize begins at the top.
+/// Its rows are read in the order of the file, as ISO 25178-72 says, while surfalize begins at the top.
 #[test]
 fn x3p_of_surfalize_is_the_mirror_image_of_its_other_files() {
     let surface = read(&sample("surfalize.x3p"));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::{DMat3, DQuat, DVec3};
 use instruments::program::{Program, ReadOptions, read, rotation};
 
-/// Segments that are looked at for the next point.
+/// Number of segments that are searched for the next point.
 const AHEAD: usize = 4;
 
 fn file(name: &str) -> PathBuf {
@@ -17,7 +17,7 @@ fn path(name: &str, options: &ReadOptions) -> Program {
     read(&file(name), &bytes, options).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Farthest that a point of `path` lies from the lines of `other`, gone along in order [m].
+/// Largest distance of a point of `path` from the lines of `other`, followed in order [m].
 fn farthest(path: &[DVec3], other: &[DVec3]) -> f64 {
     let mut at = 0;
     let mut farthest = 0.0_f64;
@@ -40,7 +40,7 @@ fn arcs_are_where_pygcode_has_them() {
     let options = ReadOptions { chord_tolerance: 1e-6, ..ReadOptions::default() };
     let ours: Vec<DVec3> = path("arcs.nc", &options).points.iter().map(|point| point.position).collect();
     let theirs: Vec<DVec3> = path("arcs_pygcode.csv", &options).points.iter().map(|point| point.position).collect();
-    // Both may lie within their arcs by 1 µm.
+    // Both may deviate from their arcs by 1 µm.
     let (there, back) = (farthest(&theirs, &ours), farthest(&ours, &theirs));
     println!("{} and {} points, {:.3} and {:.3} um apart", ours.len(), theirs.len(), there * 1e6, back * 1e6);
     assert!(there < 1.1e-6 && back < 1.1e-6, "{there} {back}");

@@ -1,4 +1,4 @@
-//! Programs of machines and robots: closed forms, conventions, what is written and read back, damage.
+//! Programs of machines and robots: closed forms, conventions, round trips, damage.
 
 mod damage;
 
@@ -89,7 +89,7 @@ fn arcs_have_the_lengths_of_their_circles() {
     ];
     for (arc, wanted) in cases {
         let program = of(&format!("G21\nG0 X0 Y0 Z0\n{arc} F60\n"));
-        // A chord of the tolerance is shorter than its arc by 2 e / 3 r of it.
+        // A chord within the tolerance e is shorter than its arc by a share of 2 e / 3 r.
         let found = length(&program);
         assert!(found <= wanted && found > wanted * (1.0 - 0.7 * 0.01 / 5.0), "{arc}: {found} is not {wanted}");
     }
@@ -269,7 +269,7 @@ fn rows_that_are_no_path_are_refused() {
     );
 }
 
-/// A weave with everything that a point can have.
+/// A weave that uses all properties of a point.
 fn weave() -> Vec<Point> {
     (0..40)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! Logs of robots: what UR's RTDE client, KUKA's RSI and KUKA's Trace leave.
+//! Logs of robots: from UR's RTDE client, KUKA's RSI and KUKA's Trace.
 
 mod damage;
 
@@ -48,7 +48,7 @@ fn a_cut_frame_is_left_out_and_a_broken_one_is_named() {
     assert!(read(Path::new("rsi.xml"), broken.as_bytes()).expect_err("no XML").to_string().contains("line 1: "));
 }
 
-/// A recording of 30 values: time counts, and two channels take turns in `trace.r64`.
+/// A recording of 30 values: a counted time, and two channels interleaved in `trace.r64`.
 fn trace(folder: &Path, is_big: bool) -> String {
     let order = if is_big { "High -> Low" } else { "Low -> High" };
     let channel = |name: &str, unit: &str, first: usize| {

@@ -1,4 +1,4 @@
-//! Texts as people and programs write them.
+//! Texts in the formats of people and programs.
 
 mod common;
 
@@ -89,7 +89,7 @@ fn words_and_numbers_for_a_missing_height() {
 fn a_cloud_becomes_pixels() {
     let mut text = String::new();
     for k in 0..4000_u32 {
-        // The golden ratio spreads places evenly (Weyl 1916).
+        // The golden ratio spreads points evenly (Weyl 1916).
         let (x, y) = ((f64::from(k) * 0.618_033_988_749_9).fract() * 10.0, f64::from(k) / 400.0);
         let _ = writeln!(text, "{x:.5} {y:.5} {:.5}", 0.1 * x + 0.2 * y);
     }
@@ -147,7 +147,7 @@ fn formats_have_names_and_extensions() {
     assert_eq!(names.last(), Some(&"plain grid"));
 }
 
-/// The export of a real instrument, which is no part of this repository.
+/// The export of a real instrument, which is not part of this repository.
 #[test]
 fn an_export_of_a_real_instrument() {
     let shared = std::env::var_os("ROBOFIN_SHARED").map_or_else(|| sample("../../../../shared"), PathBuf::from);

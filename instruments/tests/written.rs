@@ -1,4 +1,4 @@
-//! Maps that are written and read back.
+//! Round trips of maps: written and read back.
 
 mod common;
 
@@ -12,7 +12,7 @@ fn there_and_back(name: &str, map: &Surface) -> Surface {
     read_bytes(Path::new(name), &write(Path::new(name), map).unwrap())
 }
 
-/// Largest difference of two maps that miss the same pixels.
+/// Largest difference of two maps with the same missing pixels.
 fn difference(one: &Surface, other: &Surface) -> f64 {
     let pairs = one.heights.iter().zip(&other.heights);
     pairs.fold(0.0, |worst: f64, (a, b)| {
@@ -34,7 +34,7 @@ fn what_is_written_is_read_back() {
         assert_eq!((found.format, found.nx, found.ny), (format, NX, NY));
         assert!((found.pitch.unwrap() / PITCH - 1.0).abs().max_element() <= pitch, "{name}: {:?}", found.pitch);
         assert!(difference(&map, &found) <= tolerance, "{name}: {:e}", difference(&map, &found));
-        // A second time nothing changes any more.
+        // A second round trip changes nothing.
         let again = there_and_back(name, &found);
         assert!(difference(&found, &again) <= if format == "ESRI ASCII grid" { tolerance } else { 0.0 }, "{name}");
     }
@@ -68,7 +68,7 @@ fn what_cannot_be_written_is_refused() {
     assert!(said("map.asc", &Surface { nx: 3, ..map() }).contains("3 x 17 pixels with 408 heights"));
 }
 
-/// The flag of inversion, and heights of 16 bits, on a file of ours.
+/// The inversion flag and 16-bit heights, in a file of this crate.
 #[test]
 fn variants_of_digital_surf() {
     let plain = there_and_back("map.sur", &map());

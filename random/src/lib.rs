@@ -1,4 +1,4 @@
-//! Randomness: one stream of numbers for each purpose, so that no draw depends on how many came before it elsewhere.
+//! Random numbers: one stream for each purpose, so that no draw depends on the number of earlier draws elsewhere.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -16,28 +16,28 @@ impl Stream {
         Self(Pcg64Mcg::from_seed(start))
     }
 
-    /// Evenly from `low` to `high`.
+    /// Uniform from `low` to `high`.
     pub fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Evenly in the logarithm from `low` to `high`, both above zero.
+    /// Log-uniform from `low` to `high`, both above zero.
     pub fn ratio_between(&mut self, [low, high]: [f64; 2]) -> f64 {
         low * (high / low).powf(self.0.random::<f64>())
     }
 
-    /// One of the numbers below `count`.
+    /// Uniform integer below `count`.
     pub fn below(&mut self, count: usize) -> usize {
         (self.0.random::<f64>() * count as f64) as usize
     }
 
-    /// With this probability.
+    /// Returns true with this probability.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.0.random::<f64>() < probability
     }
 
-    /// A normal number of mean 0 and variance 1: the sum of twelve even ones, which ends at six standard deviations and
-    /// is the same on every machine.
+    /// A normal number with mean 0 and variance 1: the sum of twelve uniform ones, limited to six standard deviations
+    /// and the same on every machine.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.0.random::<f64>()).sum::<f64>() - 6.0
     }

@@ -1,4 +1,4 @@
-//! A tool of any shape.
+//! A tool of arbitrary shape.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use sdf_bake::BrickGrid;
 use super::MeshDepth;
 use super::tool::Shape;
 
-/// A tool from a mesh, baked into a field of its own. Its reference point is the origin of its field.
+/// A tool from a mesh, baked into a distance field. Its reference point is the origin of its field.
 ///
-/// With the mesh itself its depth is exact; by the field alone it is linear between voxels, which rounds edges, and
-/// ends at the band: bake that wider than the deepest press.
+/// With the mesh its depth is exact. From the field alone the depth is linear between voxels, which rounds edges, and
+/// clamped to the band: bake the band wider than the deepest press.
 #[derive(Clone, Debug)]
 pub struct FieldTool {
     /// The tool in its own frame, its lowest point at the origin, inside negative.
@@ -20,12 +20,12 @@ pub struct FieldTool {
     pub low: DVec3,
     /// Highest corner [m].
     pub high: DVec3,
-    /// The mesh itself in the tool's frame, if it has no walls inside.
+    /// The mesh in the tool's frame, if it has no internal walls.
     pub mesh: Option<Arc<MeshDepth>>,
 }
 
 impl PartialEq for FieldTool {
-    /// True if both share one baked field, not if two fields are equal.
+    /// True if both share the same baked field; two separate equal fields count as different.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.field, &other.field)
     }

@@ -1,8 +1,8 @@
-//! The shapes of a finishing robot's tools, and the controllers that press them on the workpiece.
+//! Shapes of a finishing robot's tools, and the controllers that press them on the workpiece.
 //!
-//! Every tool is known by two functions of a point in its own frame (y across the feed, z away from the part, x = y × z): how
-//! deep the point lies below the working surface, and how far it lies within the working surface's border. Side
-//! walls do not work. All is in SI units.
+//! Every tool is defined by two functions of a point in its own frame (y across the feed, z away from the part, x = y ×
+//! z): the depth of the point below the working surface, and its distance inside the working surface's border. Side
+//! faces do not cut. All is in SI units.
 //!
 //! ```
 //! use glam::DVec3;
@@ -15,7 +15,7 @@
 //! assert_eq!(wheel.within(point), 0.01);
 //! ```
 //!
-//! This crate knows no path, no contact and no file format.
+//! This crate has no paths, no contact and no file formats.
 
 mod controller;
 mod field;

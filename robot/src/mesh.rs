@@ -1,4 +1,4 @@
-//! The exact depth below a mesh: where its field, which is linear between voxels, would round its edges.
+//! Exact depth below a mesh, whose field alone would round its edges because it is linear between voxels.
 
 use std::fmt;
 
@@ -7,12 +7,13 @@ use sdf_bake::bake::WindingTree;
 use sdf_bake::query::MeshQuery;
 use sdf_bake::{BrickGrid, Mesh};
 
-/// Distance from the mesh up to which it is asked for [voxels of the field].
+/// Distance from the mesh up to which the mesh is used [voxels of the field].
 const NEAR: f64 = 4.0;
-/// Most that a value between a distance field's voxels is off [voxels]: the root of Σ f(1-f) over the axes, and roundings.
+/// Maximum error of a value between a distance field's voxels [voxels]: the root of Σ f(1-f) over the axes, and
+/// rounding.
 const ROUGH: f64 = 0.87;
 
-/// A closed mesh without walls inside, ready to be asked for depths.
+/// A closed mesh without internal walls, prepared for depth queries.
 pub struct MeshDepth {
     query: MeshQuery,
     winding: WindingTree,
@@ -30,8 +31,8 @@ impl MeshDepth {
         Self { query: MeshQuery::new(mesh), winding: WindingTree::new(mesh) }
     }
 
-    /// Depth [m] of a point below the surface, whose baked `field` tells the side away from the surface. Far outside it is
-    /// a bound: the gap is larger.
+    /// Depth [m] of a point below the surface. Its baked `field` gives the sign away from the surface. Far outside, the
+    /// depth is a bound: the gap is larger.
     pub(crate) fn depth(&self, at: DVec3, field: &BrickGrid) -> f64 {
         let rough = f64::from(field.sample(at));
         if rough > NEAR * field.voxel {

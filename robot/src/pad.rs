@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::tool::Shape;
 
-/// A flat disc that faces the part. It turns about its frame's z axis; its reference point is the centre of its face.
+/// A flat disc that faces the part. It spins about its frame's z axis; its reference point is the centre of its face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pad {
     /// s [m].

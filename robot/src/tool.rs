@@ -1,4 +1,4 @@
-//! The tool: what presses on the workpiece. Each shape has a file of its own.
+//! The tool that presses on the workpiece. Each shape has a file of its own.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ pub trait Shape {
     /// Depth [m] of a point below the working surface, along that surface's normal.
     fn depth(&self, at: DVec3) -> f64;
 
-    /// Distance [m] of a point from the border of the working surface; negative beside it, infinite without a border.
+    /// Distance [m] of a point inside the border of the working surface; negative outside, infinite without a border.
     #[inline]
     fn within(&self, _at: DVec3) -> f64 {
         f64::INFINITY
@@ -21,14 +21,14 @@ pub trait Shape {
         DVec3::Z
     }
 
-    /// Curvature of the working surface round a wheel or a ball, and the sum of both principal curvatures [1/m]; 0 where it is flat
-    /// or known as a field alone.
+    /// Curvature of the working surface along the circumference of a wheel or ball, and the sum of both principal
+    /// curvatures [1/m]; 0 if the surface is flat or known only as a field.
     fn curvatures(&self) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// By how much a point of the surface lies deeper in the middle of a way of the tool than the mean of both ends [m]: of one whose
-    /// square has parts `along` x and `across`, along y [m²].
+    /// Bulge [m]: excess of the depth of a surface point in the middle of a tool motion over the mean of both ends.
+    /// `along` and `across` are the squared components of the motion along x and y [m²].
     fn bulge(&self, _along: f64, _across: f64) -> f64 {
         0.0
     }
@@ -38,10 +38,11 @@ pub trait Shape {
         0.0
     }
 
-    /// Half length along the feed and across it [m] of what can touch a surface `sink` [m] above the lowest point.
+    /// Half length along the feed and across it [m] of the part of the tool that can touch a surface `sink` [m] above
+    /// the lowest point.
     fn half_footprint(&self, sink: f64) -> (f64, f64);
 
-    /// Radius [m] that turns a spindle speed into the nominal rim speed.
+    /// Radius [m] that multiplies the spindle speed to give the nominal rim speed.
     fn rim_radius(&self) -> f64;
 
     /// Width [m] across the feed.
@@ -51,21 +52,21 @@ pub trait Shape {
     fn sizes(&self) -> Vec<(&'static str, f64)>;
 }
 
-/// Half width [m] of a ball or a wheel of a radius [m] where it is `sink` [m] above its lowest point.
+/// Half width [m] of a ball or wheel of a radius [m] at a height of `sink` [m] above its lowest point.
 pub(crate) fn cap(radius: f64, sink: f64) -> f64 {
     (2.0 * radius * sink.min(radius)).sqrt().min(radius)
 }
 
-/// A tool of any of the known shapes.
+/// A tool of any known shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tool {
-    /// A wheel that turns about the frame's y axis; its reference point is its centre.
+    /// A wheel that spins about the frame's y axis; its reference point is its centre.
     Wheel(Wheel),
-    /// A disc that turns about the frame's z axis; its reference point is the centre of its face.
+    /// A disc that spins about the frame's z axis; its reference point is the centre of its face.
     Pad(Pad),
     /// A ball tip; its reference point is its centre.
     Sphere(Sphere),
-    /// Any shape; its reference point is the origin of its field.
+    /// Arbitrary shape; its reference point is the origin of its field.
     Field(FieldTool),
 }
 
@@ -131,8 +132,8 @@ impl Tool {
         }
     }
 
-    /// Speed [m/s] of the working surface over the workpiece at a point of the tool's frame, for a `spindle` [rad/s] and a
-    /// `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
+    /// Speed [m/s] of the working surface over the workpiece at a point of the tool's frame, for a `spindle` [rad/s]
+    /// and a `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
     #[inline(always)]
     pub fn slip_speed(&self, at: DVec3, spindle: f64, feed: DVec3) -> f64 {
         (self.axis().cross(at) * spindle + feed).length()
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn slip_is_the_sum_of_turning_and_feed() {
-        // The lowest point of a wheel that turns about +y moves along -x.
+        // The lowest point of a wheel that spins about +y moves along -x.
         let wheel = Tool::from(Wheel::cylinder(0.05, 0.02));
         assert!(
             (wheel.slip_speed(DVec3::new(0.0, 0.0, -0.05), 600.0, DVec3::X * 0.005) - (30.0 - 0.005)).abs() < 1e-12

@@ -1,19 +1,19 @@
-//! A tool as people name it in a line: `wheel:radius=50mm,width=20mm`.
+//! One-line notation of a tool: `wheel:radius=50mm,width=20mm`.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use crate::{Pad, Sphere, Tool, Wheel};
 
-/// Kinds of tools.
+/// Accepted notations, for messages.
 const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
 
-/// A tool named in a line.
+/// A tool in one-line notation.
 #[derive(Clone, Debug)]
 pub enum ToolText {
-    /// Of sizes.
+    /// A shape with given sizes.
     Solid(Tool),
-    /// Of a file.
+    /// A mesh file.
     Mesh(PathBuf),
 }
 
@@ -36,7 +36,7 @@ impl FromStr for ToolText {
     }
 }
 
-/// Sizes [m] of a text such as `radius=50mm,width=20mm`.
+/// Parses sizes [m] from a text such as `radius=50mm,width=20mm`.
 fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], String> {
     let mut found = [None; N];
     for part in text.split(',').filter(|part| !part.is_empty()) {
@@ -55,7 +55,7 @@ fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], Strin
     Ok(sizes)
 }
 
-/// A length [m] with its unit.
+/// Parses a length [m] with its unit.
 fn length(text: &str) -> Option<f64> {
     let (number, unit) = [("mm", 1e-3), ("um", 1e-6), ("m", 1.0)]
         .into_iter()

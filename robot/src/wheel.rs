@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::tool::{Shape, cap};
 
-/// A grinding wheel whose rim works. It turns about its frame's y axis; its reference point is its centre.
+/// A grinding wheel that cuts with its rim. It spins about its frame's y axis; its reference point is its centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wheel {
     /// R [m], at mid width.

@@ -1,12 +1,12 @@
-//! What graphics adapters this machine has, best first, as plain data.
+//! Graphics adapters of this machine, best first, as plain data.
 
 use std::fmt;
 
-/// Backends looked at unless `WGPU_BACKEND` asks for others. OpenGL is left out: its software adapters turn up
-/// where no Vulkan driver is, and fall short of WebGPU.
+/// Backends searched unless `WGPU_BACKEND` names others. OpenGL is left out: its software adapters appear on machines
+/// without a Vulkan driver, and do not meet WebGPU's requirements.
 const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
-/// Which adapters the user wants to see.
+/// Selection of adapters by the user.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Filter {
     /// Comma-separated backends, as in `WGPU_BACKEND`; `None` for Vulkan, Metal and DX12.
@@ -22,7 +22,7 @@ impl Filter {
         Self { backends: read("WGPU_BACKEND"), name: read("WGPU_ADAPTER_NAME") }
     }
 
-    /// The backends asked for that this build has.
+    /// The requested backends that this build supports.
     fn wgpu_backends(&self) -> wgpu::Backends {
         let asked = self.backends.as_deref().map_or(BACKENDS, wgpu::Backends::from_comma_list);
         asked & wgpu::Instance::enabled_backend_features()
@@ -34,7 +34,7 @@ impl Filter {
     }
 }
 
-/// What an adapter is, in the order of preference.
+/// Kind of an adapter, in the order of preference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AdapterKind {
     /// A graphics card with memory of its own.
@@ -73,10 +73,10 @@ impl From<wgpu::DeviceType> for AdapterKind {
     }
 }
 
-/// The limits that decide what fits on an adapter.
+/// The limits that decide which buffers and kernels fit on an adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AdapterLimits {
-    /// Largest storage buffer a kernel can bind [bytes]: bounds the bricks of one grid.
+    /// Largest storage buffer that a kernel can bind [bytes]; it bounds the bricks of one grid.
     pub storage_binding_bytes: u64,
     /// Largest buffer [bytes].
     pub buffer_bytes: u64,
@@ -90,18 +90,18 @@ pub struct AdapterLimits {
     pub workgroups_per_axis: u32,
 }
 
-/// One adapter, for people and for metadata.
+/// Description of one adapter, for messages and metadata.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterReport {
-    /// Name the driver gives.
+    /// Name reported by the driver.
     pub name: String,
     /// `vulkan`, `metal` or `dx12`.
     pub backend: String,
-    /// Driver and its version; empty where the driver does not say.
+    /// Driver and its version; empty if the driver does not report them.
     pub driver: String,
-    /// What it is.
+    /// Kind of adapter.
     pub kind: AdapterKind,
-    /// What fits on it.
+    /// Its limits.
     pub limits: AdapterLimits,
 }
 
@@ -136,16 +136,16 @@ impl fmt::Display for AdapterReport {
     }
 }
 
-/// The adapters found, and what was looked for.
+/// The adapters found, and the search criteria.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Adapters {
-    /// What was looked for.
+    /// Search criteria.
     pub filter: Filter,
-    /// Backends looked at; empty where this build has none of those asked for.
+    /// Backends searched; empty if this build has none of the requested ones.
     pub backends: Vec<String>,
     /// Adapters that pass the filter, best first.
     pub found: Vec<AdapterReport>,
-    /// Names of the adapters whose name does not pass.
+    /// Names of the adapters that the name filter rejects.
     pub passed_over: Vec<String>,
 }
 
@@ -155,13 +155,13 @@ pub fn list(filter: &Filter) -> Adapters {
     enumerate(filter, 100).0
 }
 
-/// As [`list`], with the handles of `found` in the same order; their devices allocate nothing where more than
-/// `memory_percent` of what the driver grants would be in use.
+/// As [`list`], with the handles of `found` in the same order. Their devices refuse allocations that would exceed
+/// `memory_percent` of the driver's memory budget.
 pub(crate) fn enumerate(filter: &Filter, memory_percent: u8) -> (Adapters, Vec<wgpu::Adapter>) {
     let backends = filter.wgpu_backends();
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
-    // Nothing is dispatched indirectly: a device opens without the buffers and kernels that check it.
+    // No dispatch is indirect: the device opens without the buffers and kernels that validate them.
     descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
     descriptor.memory_budget_thresholds.for_resource_creation = Some(memory_percent);
     let instance = wgpu::Instance::new(descriptor);

@@ -1,13 +1,13 @@
-//! Looking up and interpolating a brick grid in plain Rust: twin of `brick_grid.wgsl`, with the same names and
-//! order of operations, and so the reference the kernels are held against.
+//! Look-up and interpolation in a brick grid in plain Rust: CPU twin of `brick_grid.wgsl`, with the same names and
+//! order of operations, and so the reference for the kernels.
 
 use crate::constants::{BRICK_SHIFT, BRICK_SIDE, BRICK_VOXELS, FARTHEST_VOXEL, INSIDE, OUTSIDE};
 use crate::layout::GridHeader;
 
-/// A brick grid as the device binds it: a header and two arrays.
+/// A brick grid as it is bound on the device: a header and two arrays.
 #[derive(Clone, Copy, Debug)]
 pub struct GridBuffers<'a> {
-    /// Place, size and resolution.
+    /// Origin, size and resolution.
     pub header: GridHeader,
     /// Slot of each brick, [`OUTSIDE`] or [`INSIDE`], shape `[dims.x, dims.y, dims.z]`.
     pub index: &'a [u32],
@@ -15,10 +15,10 @@ pub struct GridBuffers<'a> {
     pub phi: &'a [f32],
 }
 
-/// Why arrays and header are not one grid.
+/// Mismatch between arrays and header of a grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GridError {
-    /// Voxel or band are no lengths.
+    /// Voxel or band is not a positive finite length.
     #[error("voxel {voxel} m and band {band} m: both must be finite and above zero")]
     Length {
         /// Distance between voxels [m].
@@ -26,7 +26,7 @@ pub enum GridError {
         /// Truncation distance [m].
         band: f32,
     },
-    /// The index has another shape than the header says.
+    /// The index has a different shape from that in the header.
     #[error("the index has {found} entries, {dims:?} bricks need {expected}")]
     Index {
         /// Entries given.
@@ -36,12 +36,12 @@ pub enum GridError {
         /// Entries needed.
         expected: u64,
     },
-    /// The pool has another size than the header says.
+    /// The pool has a different size from that in the header.
     #[error("the pool has {found} values, {bricks} bricks need {expected}")]
     Pool {
         /// Values given.
         found: usize,
-        /// Bricks the header counts.
+        /// Number of bricks in the header.
         bricks: u32,
         /// Values needed.
         expected: u64,
@@ -51,12 +51,12 @@ pub enum GridError {
     Slot {
         /// Position in the index.
         entry: usize,
-        /// What stands there.
+        /// The slot found.
         slot: u32,
         /// Bricks in the pool.
         bricks: u32,
     },
-    /// The grid lies where an f32 no longer resolves its voxels.
+    /// The grid is so far from the origin that f32 does not resolve its voxels.
     #[error("the grid reaches beyond voxel {limit}: move the part to the origin or use a larger voxel")]
     Far {
         /// Largest voxel coordinate that can be looked up.
@@ -65,10 +65,10 @@ pub enum GridError {
 }
 
 impl GridBuffers<'_> {
-    /// Checks that header and arrays are one grid.
+    /// Checks that header and arrays match.
     ///
     /// # Errors
-    /// The first disagreement found.
+    /// The first mismatch found.
     pub fn validate(&self) -> Result<(), GridError> {
         let GridHeader { origin, dims: [nx, ny, nz, _], voxel, band, bricks, .. } = self.header;
         let is_length = |length: f32| length.is_finite() && length > 0.0;
@@ -80,7 +80,7 @@ impl GridBuffers<'_> {
         if !origin.iter().zip([nx, ny, nz]).all(within) {
             return Err(GridError::Far { limit: FARTHEST_VOXEL });
         }
-        // Each count is below 2^20 by now, so the product fits.
+        // Each count is below 2^20 here, so the product fits.
         let entries = u64::from(nx) * u64::from(ny) * u64::from(nz);
         if self.index.len() as u64 != entries {
             return Err(GridError::Index { found: self.index.len(), dims: [nx, ny, nz], expected: entries });
@@ -96,8 +96,8 @@ impl GridBuffers<'_> {
         }
     }
 
-    /// φ at a point [m], trilinear between the eight voxels around it; ±band beyond the band, NaN where the
-    /// point is not finite. The grid must be valid.
+    /// φ at a point [m], trilinear between the eight voxels around it; ±band beyond the band, NaN if the point is not
+    /// finite. The grid must be valid.
     pub fn sample_phi(&self, point: [f32; 3]) -> f32 {
         if !point.iter().all(|x| x.is_finite()) {
             return self.header.invalid;
@@ -111,13 +111,13 @@ impl GridBuffers<'_> {
         self.header.band
     }
 
-    /// Position of a brick in the index; meaningful where `within_index` holds.
+    /// Position of a brick in the index; valid only if `within_index` is true.
     fn entry(&self, brick: [i32; 3]) -> usize {
         let at: [usize; 3] = std::array::from_fn(|axis| (brick[axis] - self.header.origin[axis]) as usize);
         (at[0] * self.header.dims[1] as usize + at[1]) * self.header.dims[2] as usize + at[2]
     }
 
-    /// Whether the index covers a brick.
+    /// True if the index covers a brick.
     fn within_index(&self, brick: [i32; 3]) -> bool {
         let at = |axis: usize| brick[axis] - self.header.origin[axis];
         (0..3).all(|axis| at(axis) >= 0 && at(axis) < self.header.dims[axis] as i32)

@@ -1,8 +1,9 @@
-//! Buffers on the device: filled, bound, read back.
+//! Buffers on the device: creation, binding, read-back.
 
 use crate::device::{Device, DeviceFault};
 
-/// Bytes that an upload copies at once: the staging memory beside an array, which else would be as large again.
+/// Bytes that an upload copies at once. It limits the staging memory, which otherwise would be as large as the array
+/// itself.
 const STAGED: usize = 32 << 20;
 
 /// The largest storage buffer a kernel can bind [bytes].
@@ -15,7 +16,8 @@ pub(crate) fn binding_entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGr
     wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
 }
 
-/// A buffer of zeros that can be copied to and from. No bytes give four, since an empty buffer cannot be bound.
+/// A buffer of zeros that can be copied to and from. It has at least four bytes, because an empty buffer cannot be
+/// bound.
 pub(crate) fn zeros(device: &Device, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let both_ways = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     device.device.create_buffer(&wgpu::BufferDescriptor {
@@ -39,18 +41,18 @@ pub(crate) fn write(device: &Device, buffer: &wgpu::Buffer, bytes: &[u8]) {
         device.queue.write_buffer(buffer, first, chunk);
         if chunk.len() == STAGED {
             device.queue.submit([]);
-            // Frees the staging memory; a device that fails here fails the next thing asked of it.
+            // Frees the staging memory; if the device fails here, the next operation reports it.
             let _ = device.device.poll(wgpu::PollType::wait_indefinitely());
         }
     }
 }
 
-/// Compiles a kernel's text.
+/// Compiles a kernel from its text.
 pub(crate) fn pipeline(device: &Device, entry: &str, text: String) -> wgpu::ComputePipeline {
     pipeline_in(device, entry, text, None)
 }
 
-/// The same with bindings that several kernels share.
+/// The same with bindings shared by several kernels.
 pub(crate) fn pipeline_in(
     device: &Device,
     entry: &str,
@@ -76,7 +78,7 @@ pub(crate) fn pipeline_in(
     })
 }
 
-/// Waits for the device and gives what `buffer` holds, which must be made for mapping.
+/// Waits for the device and returns the content of `buffer`, which must be mappable.
 pub(crate) fn read<T: bytemuck::Pod>(
     device: &Device,
     during: &str,

@@ -1,17 +1,17 @@
-//! CPU or GPU: the decision and its reason as data, made from the list of adapters alone.
+//! Choice between CPU and GPU, with its reason as data, from the list of adapters alone.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::adapters::{AdapterKind, AdapterReport, Adapters};
 
-/// What to install where a driver is missing.
+/// Package to install if a driver is missing.
 pub const DRIVER_PACKAGE: &str = "mesa-vulkan-drivers";
 
-/// What the user asks for: `--backend auto|cpu|gpu`.
+/// The user's choice: `--backend auto|cpu|gpu`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BackendChoice {
-    /// The GPU where there is a real one, else the CPU.
+    /// The GPU if there is a hardware one, otherwise the CPU.
     #[default]
     Auto,
     /// The CPU.
@@ -48,7 +48,7 @@ impl fmt::Display for BackendChoice {
     }
 }
 
-/// Where the work runs.
+/// Backend on which the work runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
     /// The Rust code.
@@ -66,14 +66,14 @@ impl fmt::Display for Backend {
     }
 }
 
-/// Where the work runs, and why.
+/// Chosen backend and reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decision {
-    /// Where.
+    /// The backend.
     pub backend: Backend,
     /// Position of the adapter in [`Adapters::found`]; `None` on the CPU.
     pub adapter: Option<usize>,
-    /// Why, in one line for the log.
+    /// Reason, in one line for the log.
     pub reason: String,
 }
 
@@ -87,12 +87,12 @@ impl Decision {
     }
 }
 
-/// No adapter where one was asked for; the text says what was looked for and what to install.
+/// Error if no adapter matches; the text names the search criteria and the package to install.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoAdapter(pub String);
 
-/// Decides where the work runs.
+/// Chooses the backend.
 ///
 /// # Errors
 /// [`NoAdapter`] for `gpu` without an adapter.
@@ -104,7 +104,7 @@ pub fn decide(choice: BackendChoice, adapters: &Adapters) -> Result<Decision, No
     }
 }
 
-/// What `auto` takes: the best adapter, but the CPU where that is a software driver, which runs on the same
+/// The choice of `auto`: the best adapter, or the CPU if the best one is a software driver, which runs on the same
 /// processor.
 pub fn auto(adapters: &Adapters) -> Decision {
     match adapters.found.first() {
@@ -118,7 +118,7 @@ pub fn auto(adapters: &Adapters) -> Decision {
     }
 }
 
-/// What `auto` takes on a machine without a graphics processor, whatever drivers are installed.
+/// The choice of `auto` on a machine without a graphics processor, whatever drivers are installed.
 pub(crate) fn without_hardware() -> Decision {
     Decision::cpu(&format!(
         "this machine shows no graphics processor (no render node in /dev); --backend gpu takes a software driver \
@@ -126,7 +126,7 @@ pub(crate) fn without_hardware() -> Decision {
     ))
 }
 
-/// Why no adapter was found, and what to do about it.
+/// Reason why no adapter was found, and what to do.
 fn why_none(adapters: &Adapters) -> String {
     let filter = &adapters.filter;
     if let (Some(name), false) = (&filter.name, adapters.passed_over.is_empty()) {

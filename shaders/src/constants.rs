@@ -1,4 +1,4 @@
-//! Numbers that Rust and WGSL must agree on, declared once here and written out into every kernel.
+//! Constants shared by Rust and WGSL: declared once here and written into every kernel.
 
 macro_rules! shared_constants {
     ($($(#[doc = $doc:literal])+ $name:ident = $value:expr;)+) => {
@@ -42,69 +42,69 @@ shared_constants! {
     BRICK_SIDE = 1 << BRICK_SHIFT;
     /// Voxels in a brick.
     BRICK_VOXELS = BRICK_SIDE * BRICK_SIDE * BRICK_SIDE;
-    /// Index entry of a brick that is wholly outside, beyond the band.
+    /// Index entry of a brick that is entirely outside, beyond the band.
     OUTSIDE = u32::MAX;
-    /// Index entry of a brick that is wholly inside, beyond the band.
+    /// Index entry of a brick that is entirely inside, beyond the band.
     INSIDE = u32::MAX - 1;
-    /// Voxel coordinates are looked up below this: from 2^22 on, an f32 steps by half a voxel or more.
+    /// Limit of voxel coordinates: from 2^22 on, an f32 has a resolution of half a voxel or coarser.
     FARTHEST_VOXEL = 1 << 22;
-    /// Invocations in a workgroup of a kernel over a list: two waves of 32, one of 64, inside every limit.
+    /// Invocations in a workgroup of a kernel over a list: two subgroups of 32 or one of 64, within every device limit.
     WORKGROUP_SIZE = 64;
-    /// A plane of values that a pool does not have.
+    /// Marks a plane of values that a pool does not store.
     ABSENT = u32::MAX;
-    /// Blocks of time in a second: clocks of the simulator are blocks and the rest of one.
+    /// Blocks of time per second: clocks of the simulator consist of a number of blocks and a remainder.
     TIME_BLOCKS = 64;
     /// Cells of a tool, one for each invocation of a workgroup.
     TOOL_CELLS = WORKGROUP_SIZE;
-    /// Arrays over the lines of a trial's sheet.
+    /// Number of arrays over the columns of a trial's height field.
     COLUMN_ARRAYS = 23;
-    /// Sums and greatest values that are taken over the invocations of a workgroup.
+    /// Number of sums and maxima taken over the invocations of a workgroup.
     REDUCED = 16;
-    /// Numbers that a trial keeps for them.
+    /// Numbers that a trial stores for these reductions.
     PARTIALS = (WORKGROUP_SIZE + 1) * REDUCED;
-    /// A wheel.
+    /// Tool: a wheel.
     TOOL_WHEEL = 0;
-    /// A disc that faces the part.
+    /// Tool: a pad, a disc that faces the part.
     TOOL_PAD = 1;
-    /// A ball tip.
+    /// Tool: a ball tip.
     TOOL_SPHERE = 2;
-    /// The force is the setpoint at every time.
+    /// Controller: the force equals the setpoint at all times.
     CONTROLLER_IDEAL = 0;
-    /// The tool moves as a damped mass under the force.
+    /// Controller: the tool moves as a damped mass under the force.
     CONTROLLER_ADMITTANCE = 1;
-    /// The tool keeps to its path.
+    /// Controller: the tool keeps to its path.
     CONTROLLER_REPLAY = 2;
-    /// The trial goes on.
+    /// Status: the trial is running.
     STATUS_RUNNING = 0;
-    /// The pass is at its end.
+    /// Status: the pass has ended.
     STATUS_DONE = 1;
-    /// A sheet has more lines than the trial has room for; `needed` of them.
+    /// Status: a height field has more columns than allocated; `needed` of them.
     STATUS_NEEDS_COLUMNS = 2;
-    /// The trial writes more bricks than it has room for; `needed` of them.
+    /// Status: the trial writes more bricks than allocated; `needed` of them.
     STATUS_NEEDS_BRICKS = 3;
-    /// A formula gave no finite number; `detail` says at which hook.
+    /// Status: a formula gave no finite number; `detail` names the hook.
     STATUS_FORMULA = 4;
-    /// The pass was given up.
+    /// Status: the pass was given up.
     STATUS_TOO_MANY_STEPS = 5;
-    /// The hook of a pose.
+    /// Fault in a formula of the pose.
     FAULT_POSE = 1;
-    /// The hook of a gap.
+    /// Fault in a formula of the gap.
     FAULT_SHAPE = 2;
-    /// The hook of a pressure.
+    /// Fault in a formula of the pressure.
     FAULT_PRESSURE = 3;
-    /// The hook of the spindle.
+    /// Fault in a formula of the spindle.
     FAULT_SPINDLE = 4;
-    /// The hook of a force reading.
+    /// Fault in a formula of the force reading.
     FAULT_FORCE = 5;
-    /// The hook of a recession speed.
+    /// Fault in a formula of the recession speed.
     FAULT_RATE = 6;
-    /// The hook of a dose rate.
+    /// Fault in a formula of the dose rate.
     FAULT_DOSE = 7;
-    /// A state of the tool.
+    /// Fault in a state of the tool.
     FAULT_TOOL_STATE = 8;
-    /// A state of a tool cell.
+    /// Fault in a state of a tool cell.
     FAULT_TOOL_CELL = 9;
-    /// A pixel shows the room behind the scene.
+    /// A pixel shows the background.
     SEEN_BACKGROUND = 0;
     /// A pixel shows the part.
     SEEN_PART = 1;
@@ -113,48 +113,49 @@ shared_constants! {
 }
 
 shared_numbers! {
-    /// Relative difference of two depths from which a slope is taken between them.
+    /// Relative difference between two depths above which a slope between them is used.
     APART: f64 => f32 = 1e-5;
-    /// Longest step while the tool comes down [s].
+    /// Longest step during the approach [s].
     APPROACH_STEP: f64 => f32 = 0.01;
-    /// Recession after which a sheet's slopes are taken anew [voxels].
+    /// Recession after which a height field's slopes are computed again [voxels].
     BENT: f64 => f32 = 0.02;
-    /// Voxels by which a column is followed upwards out of the material.
+    /// Number of voxels by which a column is followed upwards out of the material.
     CLIMB: i32 => i32 = 400;
-    /// Recession after which a sheet is written back [voxels]: well within the distance that φ keeps beyond its zero set.
+    /// Recession after which a height field is written back [voxels]: well within the distance that φ keeps beyond its
+    /// zero set.
     COMMIT_RECESSION: f64 => f32 = 0.75;
     /// Reflectance of paint at normal incidence.
     DIELECTRIC: f32 => f32 = 0.04;
-    /// Length of a groove in widths.
+    /// Length of a grinding mark in widths.
     ELONGATION: f32 => f32 = 60.0;
-    /// Way into the surface at first [m].
+    /// First motion into the surface in the search for a force [m].
     FIRST_NUDGE: f64 => f32 = 1e-7;
-    /// Furthest that the tool is first sent into what it has just touched [m]; four times as far with each try.
+    /// Longest first motion of the tool into a surface that it has just touched [m]; four times as far with each try.
     FIRST_STRIDE: f64 => f32 = 5e-6;
-    /// Change of the force in a step [setpoints] beyond which it is shortened, too.
+    /// Change of the force in a step [setpoints] above which an admittance controller's step is shortened.
     FORCE_JUMP: f64 => f32 = 0.1;
-    /// Distance of Gauss's two points from the middle of the time in which a square is under the tool, as a part of a
-    /// whole sweep: 1/(2 √3). Their mean is exact for a speed that is a cubic in time.
+    /// Gauss's two points in the time for which a cell is under the tool: their distance from its middle, as a part of
+    /// a whole sweep: 1/(2 √3). The two-point mean is exact for a speed that is a cubic in time.
     HALF_GAUSS: f64 => f32 = 0.288_675_134_594_812_9;
-    /// Inertial force [setpoints] beyond which an admittance is stepped at its own period.
+    /// Inertial force [setpoints] above which an admittance controller is stepped at its own period.
     INERTIA: f64 => f32 = 0.03;
-    /// Labels are read this far below the surface [voxels], where the metal that carries them is.
+    /// Depth below the surface at which labels are read [voxels], inside the metal that carries them.
     LABEL_DEPTH: f32 => f32 = 0.75;
-    /// Least step towards a light [voxels]: what throws no shadow is thinner than this.
+    /// Shortest step towards a light [voxels]: features thinner than this throw no shadow.
     LEAST_STEP: f32 => f32 = 0.5;
-    /// Narrowest distribution: a sharper highlight than this is missed between pixels.
+    /// Narrowest width of the microfacet distribution: a sharper highlight is missed between pixels.
     LEAST_WIDTH: f32 => f32 = 0.004;
     /// Longest step [s].
     LONGEST_STEP: f64 => f32 = 0.05;
-    /// Surface looked at ahead of a step, where the contact may go next [voxels].
+    /// Margin of surface evaluated ahead of a step, where the contact may move [voxels].
     LOOK_AHEAD: f64 => f32 = 3.0;
-    /// Lines around the contact that a sheet holds in reserve.
+    /// Margin of columns around the contact that a height field holds.
     MARGIN: i32 => i32 = 3;
-    /// Surface sought below the tool while it is in contact [voxels].
+    /// Distance below the tool in which the surface is searched for while it is in contact [voxels].
     NEAR_BELOW: f64 => f32 = 4.0;
-    /// Part of the band over which a penumbra is drawn; beyond it φ is truncated and says nothing.
+    /// Share of the band over which a penumbra is drawn; beyond it φ is truncated and carries no information.
     PENUMBRA_BAND: f32 => f32 = 0.9;
-    /// Relative change of depth over which the slope of the recession is taken.
+    /// Relative change of depth over which the slope of the recession speed is taken.
     PROBE: f64 => f32 = 1e-3;
     /// Start of a shadow ray above the surface [voxels].
     SHADOW_START: f32 => f32 = 0.6;
@@ -162,19 +163,20 @@ shared_numbers! {
     STEEPEST: f64 => f32 = 2.0;
     /// Share of the setpoint that counts as touching the part.
     TOUCH: f64 => f32 = 0.15;
-    /// Share of the band up to which a value is a distance and no bound.
+    /// Share of the band up to which a value is a distance, not the clamp.
     WITHIN_BAND: f64 => f32 = 0.999;
-    /// Evaluations of the force before the best travel so far is taken.
+    /// Maximum number of force evaluations, after which the best travel so far is taken.
     EVALUATIONS: usize => u32 = 40;
-    /// Most steps of the inversion; each gains about one digit for the distortion of a real lens.
+    /// Maximum number of iterations of the inversion; each gains about one digit for the distortion of a real lens.
     INVERSION_STEPS: usize => i32 = 16;
-    /// Steps towards a root: as many halvings of 3 cells' thirds are below the resolution of f32 in a large grid.
+    /// Maximum number of root-finding steps: 18 halvings of 3 cells' thirds are below the resolution of f32 in a large
+    /// grid.
     CUBIC_STEPS: usize => i32 = 18;
-    /// Step below which the root is found [thirds of a cell].
+    /// Step size below which the root is found [thirds of a cell].
     CUBIC_RESOLUTION: f32 => f32 = 1e-5;
-    /// Times that the clock of a device does not tell apart [s].
+    /// Resolution of a device's clock [s].
     DEVICE_CLOCK: f64 => f32 = 1e-7;
-    /// Depth at which a law begins, as a share of the depth, below which it counts as one without a threshold: far above the roundings
-    /// of a slope, and of no weight for what a square loses.
+    /// A law whose threshold depth, as a share of the depth, is below this counts as one without a threshold. It is far
+    /// above the rounding errors of a slope, and insignificant for the recession of a cell.
     NO_THRESHOLD: f64 => f32 = 1e-2;
 }

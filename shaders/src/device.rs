@@ -13,21 +13,21 @@ use crate::simulate::Kernels;
 
 /// Environment variable of [`memory_percent`].
 const MEMORY_VARIABLE: &str = "ROBOFIN_GPU_MEMORY_PERCENT";
-/// Its default [%]: the rest is left to other programs and to what the driver takes for itself.
+/// Its default [%]: the rest is left to other programs and to the driver itself.
 const MEMORY_PERCENT: u8 = 90;
 
-/// What this machine has and what `auto` makes of it: the data behind `robofin backends`.
+/// The adapters of this machine and the choice of `auto`: the data behind `robofin backends`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Survey {
-    /// The adapters and what was looked for.
+    /// The adapters and the search criteria.
     pub adapters: adapters::Adapters,
-    /// What `--backend auto` takes here.
+    /// The choice of `--backend auto` here.
     pub auto: Decision,
-    /// What `--backend gpu` takes here, or why it fails.
+    /// The choice of `--backend gpu` here, or the error.
     pub gpu: Result<Decision, NoAdapter>,
 }
 
-/// Looks at the adapters of this machine, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`. Opens none.
+/// Lists the adapters of this machine, under `WGPU_BACKEND` and `WGPU_ADAPTER_NAME`. Opens none.
 pub fn survey() -> Survey {
     let adapters = adapters::list(&Filter::from_env());
     let auto = if hardware::is_absent() { choice::without_hardware() } else { choice::auto(&adapters) };
@@ -39,24 +39,24 @@ pub fn survey() -> Survey {
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    /// Kernels of the simulator that were compiled, by their formulas: it takes seconds on a software driver.
+    /// Compiled kernels of the simulator by their formulas; compilation takes seconds on a software driver.
     pub(crate) kernels: Mutex<BTreeMap<String, Arc<Kernels>>>,
     adapter: AdapterReport,
     memory_percent: u8,
-    /// Why the device is gone, once it is.
+    /// Reason for the loss of the device, once it is lost.
     loss: Arc<OnceLock<String>>,
 }
 
-/// What [`open`] gives: the decision, and the device where it is the GPU.
+/// Result of [`open`]: the decision, and the device if it is the GPU.
 #[derive(Debug)]
 pub struct Opened {
-    /// Where the work runs, and why: one line for the log.
+    /// Backend and reason: one line for the log.
     pub decision: Decision,
     /// The device; `None` on the CPU.
     pub device: Option<Device>,
 }
 
-/// Why no device was opened.
+/// Reason why no device was opened.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum OpenError {
     /// There is no adapter.
@@ -70,21 +70,21 @@ pub enum OpenError {
     Refused {
         /// The adapter.
         adapter: String,
-        /// The driver's words.
+        /// The driver's message.
         message: String,
         /// See [`memory_percent`].
         memory_percent: u8,
     },
-    /// The environment variable of [`memory_percent`] is no share.
+    /// The environment variable of [`memory_percent`] is not a percentage.
     #[error("{MEMORY_VARIABLE} is {0:?}: a whole number from 0 to 100 is accepted, {MEMORY_PERCENT} is its default")]
     MemoryPercent(String),
 }
 
-/// Share of the memory granted by the driver that may be in use [%], from `ROBOFIN_GPU_MEMORY_PERCENT`. Beyond it nothing more is
-/// allocated, where the driver tells its budget; with 0, nothing at all.
+/// Share of the driver's memory budget that may be in use [%], from `ROBOFIN_GPU_MEMORY_PERCENT`. Allocations beyond it
+/// are refused, if the driver reports its budget; with 0 all are.
 ///
 /// # Errors
-/// [`OpenError::MemoryPercent`] where the variable is no share.
+/// [`OpenError::MemoryPercent`] if the variable is not a percentage.
 pub fn memory_percent() -> Result<u8, OpenError> {
     let Some(text) = std::env::var(MEMORY_VARIABLE).ok().filter(|text| !text.trim().is_empty()) else {
         return Ok(MEMORY_PERCENT);
@@ -92,11 +92,12 @@ pub fn memory_percent() -> Result<u8, OpenError> {
     text.trim().parse().ok().filter(|percent| *percent <= 100).ok_or(OpenError::MemoryPercent(text))
 }
 
-/// Opens a device as the user chose, under `WGPU_BACKEND`, `WGPU_ADAPTER_NAME` and `ROBOFIN_GPU_MEMORY_PERCENT`.
+/// Opens a device according to the user's choice, under `WGPU_BACKEND`, `WGPU_ADAPTER_NAME` and
+/// `ROBOFIN_GPU_MEMORY_PERCENT`.
 ///
 /// # Errors
-/// [`OpenError::NoAdapter`] for `gpu` without an adapter, [`OpenError::Refused`] where the driver gives no device,
-/// [`OpenError::MemoryPercent`] for a share of its memory that is none.
+/// [`OpenError::NoAdapter`] for `gpu` without an adapter, [`OpenError::Refused`] if the driver opens no device,
+/// [`OpenError::MemoryPercent`] for an invalid share of its memory.
 pub fn open(choice: BackendChoice) -> Result<Opened, OpenError> {
     open_with(choice, &Filter::from_env(), memory_percent()?)
 }
@@ -128,14 +129,14 @@ impl Device {
         &self.adapter
     }
 
-    /// Why the device is gone; `None` while it is there.
+    /// Reason for the loss of the device; `None` while it works.
     pub fn loss(&self) -> Option<&str> {
         self.loss.get().map(String::as_str)
     }
 
     fn request(handle: &wgpu::Adapter, report: &AdapterReport, memory_percent: u8) -> Result<Self, OpenError> {
         let all = handle.limits();
-        // WebGPU's defaults are enough but for the size of the pool; a weak adapter gives what it has.
+        // WebGPU's default limits suffice except for the size of the pool; a weak adapter gives its maximum.
         let required_limits = wgpu::Limits {
             max_storage_buffer_binding_size: all.max_storage_buffer_binding_size,
             max_buffer_size: all.max_buffer_size,
@@ -144,7 +145,7 @@ impl Device {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("robofin"),
             required_limits,
-            // Arrays are few and large: small blocks of memory leave more room for them.
+            // Arrays are few and large: small memory blocks leave more memory for them.
             memory_hints: wgpu::MemoryHints::MemoryUsage,
             ..Default::default()
         };
@@ -158,16 +159,16 @@ impl Device {
         let lost = loss.clone();
         device.set_device_lost_callback(move |reason, message| {
             let said = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
-            // Called once for a device.
+            // Called once per device.
             let _ = lost.set(said);
         });
         Ok(Self { device, queue, kernels: Mutex::default(), adapter: report.clone(), memory_percent, loss })
     }
 
-    /// Runs `work` on the device and turns whatever goes wrong in it, which wgpu would panic on, into an error.
+    /// Runs `work` on the device and turns every fault, on which wgpu would panic, into an error.
     ///
     /// # Errors
-    /// The first fault, out of memory before the others.
+    /// The first fault; out of memory takes precedence.
     pub(crate) fn guarded<T>(&self, during: &str, work: impl FnOnce(&Self) -> T) -> Result<T, DeviceFault> {
         let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -183,7 +184,7 @@ impl Device {
                 Err(self.out_of_memory(during))
             }
             (None, Some(error)) => Err(self.fault(during, &error)),
-            // A lost device is no error of any scope.
+            // The loss of a device is not reported by any error scope.
             (None, None) => match self.loss() {
                 Some(said) => Err(self.fault_of(FaultKind::Lost, during, said.to_owned())),
                 None => Ok(result),
@@ -191,7 +192,7 @@ impl Device {
         }
     }
 
-    /// Frees buffers that were dropped: those with writes under way live until these are submitted.
+    /// Frees dropped buffers: those with pending writes live until the writes are submitted.
     fn free(&self) {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         self.queue.submit([]);
@@ -199,9 +200,9 @@ impl Device {
         drop(pollster::block_on(memory.pop()));
     }
 
-    /// A fault of this device; its loss explains whatever else went wrong.
+    /// A fault of this device; a loss takes precedence as the cause.
     pub(crate) fn fault(&self, during: &str, error: &dyn std::error::Error) -> DeviceFault {
-        // Only here wgpu tells of a device that was destroyed.
+        // Only here does wgpu report that a device was destroyed.
         let _ = self.device.poll(wgpu::PollType::Poll);
         match self.loss() {
             Some(said) => self.fault_of(FaultKind::Lost, during, said.to_owned()),

@@ -1,25 +1,25 @@
-//! What a device may fail at, in words that say what to do.
+//! Faults of a device, with advice.
 
-/// A fault of the device or of what was asked of it.
+/// A fault of the device or of a request to it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{adapter} {} while {during}: {message}; {}", kind.verb(), kind.advice())]
 pub struct DeviceFault {
     /// The adapter.
     pub adapter: String,
-    /// What was being done, with its size where that counts.
+    /// The operation, with its size where relevant.
     pub during: String,
-    /// What kind of fault it is.
+    /// Kind of fault.
     pub kind: FaultKind,
-    /// The driver's or the validator's words.
+    /// Message of the driver or the validator.
     pub message: String,
 }
 
-/// Kinds of faults, by what can be done about them.
+/// Kinds of faults, by their remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// Memory that was asked for was not given: less at once may go well.
+    /// An allocation failed: a smaller one may succeed.
     OutOfMemory,
-    /// The device is gone, and whatever else is asked of it fails.
+    /// The device is lost; every further operation fails.
     Lost,
     /// Anything else, such as a kernel that the driver does not compile.
     Refused,
@@ -44,7 +44,7 @@ impl FaultKind {
     }
 }
 
-/// A size for people.
+/// A size in MiB, for messages.
 pub(crate) fn mib(bytes: &u64) -> String {
     format!("{:.1} MiB", *bytes as f64 / f64::from(1 << 20))
 }

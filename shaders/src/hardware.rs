@@ -1,14 +1,14 @@
-//! Whether a machine has a graphics processor at all, found without loading a driver.
+//! Detection of a graphics processor without loading a driver.
 
 /// Entries of `/dev` that kernel drivers make for graphics processors: NVIDIA's, WSL's, Adreno's, Mali's.
 #[cfg(target_os = "linux")]
 const NODES: [&str; 4] = ["nvidia", "dxg", "kgsl", "mali"];
-/// What they make for the others, in `/dev/dri`.
+/// Prefix of the entries for all others, in `/dev/dri`.
 #[cfg(target_os = "linux")]
 const RENDER_NODE: &str = "renderD";
 
-/// Whether there is certainly none. Loading the drivers only to learn that takes a tenth of a second, and some of them
-/// write to standard error.
+/// Returns true if there is certainly no graphics processor. Loading the drivers just to find that out takes a tenth of
+/// a second, and some drivers write to standard error.
 #[cfg(target_os = "linux")]
 pub(crate) fn is_absent() -> bool {
     let holds = |folder: &str, begins: &[&str]| {
@@ -19,7 +19,7 @@ pub(crate) fn is_absent() -> bool {
     !holds("/dev", &NODES) && !holds("/dev/dri", &[RENDER_NODE])
 }
 
-/// Elsewhere only the drivers know.
+/// On other systems only the drivers know.
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn is_absent() -> bool {
     false

@@ -1,11 +1,12 @@
-//! Structs that lie in buffers: declared once in Rust with their units, and written out as WGSL from there.
+//! Structs that are stored in buffers: declared once in Rust with their units, and written out as WGSL from there.
 //!
-//! A field is an `f32`, a `u32`, an `i32`, a vector of four or an array of those; three-vectors have an alignment that Rust does not share.
-//! The build stops when a field would lie elsewhere in WGSL or the size is not a multiple of 16 bytes.
+//! A field is an `f32`, a `u32`, an `i32`, a vector of four or an array of those; three-vectors have an alignment that
+//! Rust does not share. The build fails if a field would lie elsewhere in WGSL or the size is not a multiple of 16
+//! bytes.
 
 use bytemuck::{Pod, Zeroable};
 
-/// A field type both sides lay out alike.
+/// A field type with the same layout in Rust and WGSL.
 pub trait SharedType {
     /// Its name in WGSL.
     const WGSL: &'static str;
@@ -70,7 +71,7 @@ mod trial;
 pub use trial::{LogRecord, PathPiece, TrialSetup, TrialState};
 
 shared_struct! {
-    /// What a kernel must know of a brick grid besides its two arrays.
+    /// Description of a brick grid for a kernel, besides its two arrays.
     GridHeader {
         /// Brick coordinates of the first index entry [bricks]; the fourth is 0.
         origin: [i32; 4],
@@ -82,13 +83,13 @@ shared_struct! {
         band: f32,
         /// Bricks in the pool; a smaller index entry is a slot, any other a code.
         bricks: u32,
-        /// What a sample at a point that is not finite reads: NaN, which WGSL cannot write down.
+        /// Value of a sample at a point that is not finite: NaN, which WGSL cannot express.
         invalid: f32,
     }
 }
 
 shared_struct! {
-    /// What all trials of a submission share.
+    /// Values that all trials of a submission share.
     RunHeader {
         /// Planes of values in a brick; the first is φ.
         planes: u32,

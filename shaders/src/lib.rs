@@ -1,8 +1,8 @@
-//! What runs on a graphics processor: WGSL sources, the structs they share with the program, and the device.
+//! WGSL kernels for graphics processors, the structs that they share with the program, and the device.
 //!
-//! A host file ([`sample`], [`simulate`], [`render`]) runs one kernel or several. The functions that a kernel calls are
-//! WGSL files without bindings, each with a CPU twin of the same order of operations, here ([`brick_grid`]) or in the
-//! crate that runs the same step on the CPU; the WGSL file names it. The twin is the reference.
+//! A host file ([`sample`], [`simulate`], [`render`]) runs one or several kernels. The functions that a kernel calls
+//! are WGSL files without bindings. Each has a CPU twin with the same order of operations, here ([`brick_grid`]) or in
+//! the crate that runs the same step on the CPU; the WGSL file names it. The twin is the reference.
 //!
 //! Inside is negative, as everywhere; lengths are metres, coordinates in the grid are voxels.
 //!
@@ -17,11 +17,12 @@
 //! # Ok::<(), device::OpenError>(())
 //! ```
 //!
-//! In the order data meets them: [`constants`] and [`layout`] cross the border into WGSL, [`wgsl`] puts the
-//! sources together, [`adapters`] says what the machine has, [`choice`] picks, [`device`] opens, [`sample`] and [`simulate`] run.
+//! Modules in the order of the data: [`constants`] and [`layout`] are shared with WGSL, [`wgsl`] assembles the sources,
+//! [`adapters`] lists the machine's adapters, [`choice`] picks one, [`device`] opens it, [`sample`] and [`simulate`]
+//! run.
 //!
-//! This crate never opens a file, looks for device nodes only by name, prints nothing outside [`testing`], and knows no other room of the house:
-//! grids arrive as slices.
+//! This crate opens no file, looks for device nodes only by name, prints nothing outside [`testing`], and depends on no
+//! other crate of the workspace: grids are passed as slices.
 
 pub mod adapters;
 pub mod brick_grid;

@@ -8,17 +8,17 @@ use crate::fault::mib;
 use crate::stage::RenderStage;
 use crate::wgsl::{Kernel, OCCUPANCY, RENDER};
 
-/// Rows of four values that a pixel has: colour and depth [m], normal and dose, position [m] and removed depth [m],
-/// weld id and what is seen (`SEEN_BACKGROUND`, `SEEN_PART` or `SEEN_TABLE`).
+/// Rows of four values per pixel: colour and depth [m]; normal and dose; position [m] and removed depth [m]; weld id
+/// and visible object (`SEEN_BACKGROUND`, `SEEN_PART` or `SEEN_TABLE`).
 pub const ROWS_PER_PIXEL: usize = 4;
 /// Pixels along a side of a workgroup's tile.
 const TILE: u32 = 8;
 const _: () = assert!(TILE * TILE == WORKGROUP_SIZE, "a tile is not a workgroup");
 
-/// A part as the device draws it: φ and the channels that show.
+/// A part as the device draws it: φ and the visible channels.
 #[derive(Clone, Copy, Debug)]
 pub struct PartChannels<'a> {
-    /// φ and where its bricks are.
+    /// φ and its brick index.
     pub grid: GridBuffers<'a>,
     /// Weld id of each voxel, shape `[bricks, 512]`; empty for none.
     pub label: &'a [u16],
@@ -28,13 +28,13 @@ pub struct PartChannels<'a> {
     pub removed: &'a [f32],
 }
 
-/// Why no picture was made.
+/// Reason why no picture was made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RenderError {
-    /// Header and arrays are not one grid.
+    /// Header and arrays of the grid do not match.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// A channel has another size than φ.
+    /// A channel has a different size from φ.
     #[error("the channel `{channel}` has {found} values for {expected} of phi")]
     Channel {
         /// `label`, `dose` or `removed`.
@@ -51,7 +51,7 @@ pub enum RenderError {
         mib(limit)
     )]
     TooLarge {
-        /// What is too large.
+        /// Name of the array.
         array: &'static str,
         /// Its size [bytes].
         bytes: u64,
@@ -59,7 +59,7 @@ pub enum RenderError {
         limit: u64,
         /// The adapter.
         adapter: String,
-        /// What would fit.
+        /// Remedy: a smaller input.
         instead: &'static str,
     },
     /// The device failed.
@@ -99,7 +99,7 @@ impl<'a> Renderer<'a> {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`DeviceFault`] where the driver refuses one.
+    /// [`DeviceFault`] if the driver refuses one.
     pub fn new(device: &'a Device) -> Result<Self, DeviceFault> {
         let compiled = |kernel: Kernel| {
             device.guarded(&format!("compiling the kernel `{}`", kernel.entry), |device| {
@@ -112,7 +112,7 @@ impl<'a> Renderer<'a> {
     /// Uploads a part.
     ///
     /// # Errors
-    /// [`RenderError`] where arrays disagree, are larger than the adapter can bind, or the device fails.
+    /// [`RenderError`] if arrays do not match or exceed the adapter's binding limit, or the device fails.
     pub fn load(&self, part: &PartChannels<'_>) -> Result<PartBuffers, RenderError> {
         part.grid.validate()?;
         let values = part.grid.phi.len();
@@ -125,9 +125,9 @@ impl<'a> Renderer<'a> {
         }
         self.check_size("pool of this grid", 4 * values as u64, "a larger voxel")?;
         self.check_size("index of this grid", 4 * part.grid.index.len() as u64, "a larger voxel")?;
-        // An odd number of weld ids cannot be: a brick has 512.
+        // The number of weld ids is even: a brick has 512.
         let label: Vec<u32> = part.label.chunks(2).map(|two| u32::from(two[0]) | u32::from(two[1]) << 16).collect();
-        // One entry at least, since an empty array cannot be bound.
+        // At least one entry, because an empty array cannot be bound.
         let blocks = vec![0u8; 8 * part.grid.header.bricks.max(1) as usize];
         let storage = wgpu::BufferUsages::STORAGE;
         let channels =
@@ -146,13 +146,13 @@ impl<'a> Renderer<'a> {
         Ok(loaded?)
     }
 
-    /// Submits the work of one picture; nothing is read back.
+    /// Submits the work for one picture; nothing is read back.
     ///
     /// `rows`: two for each lamp (unit direction towards it and spread; irradiance), then two for each point of the
-    /// marks' path (place [m] and arc [m]; unit direction of motion).
+    /// marks' path (position [m] and arc length [m]; unit direction of motion).
     ///
     /// # Errors
-    /// [`RenderError`] where the picture is larger than the adapter can bind or the device fails.
+    /// [`RenderError`] if the picture exceeds the adapter's binding limit or the device fails.
     pub fn draw(&self, part: &PartBuffers, stage: &RenderStage, rows: &[[f32; 4]]) -> Result<Drawn, RenderError> {
         let bytes = u64::from(stage.width) * u64::from(stage.height) * (ROWS_PER_PIXEL * size_of::<[f32; 4]>()) as u64;
         self.check_size("picture", bytes, "a smaller --size")?;
@@ -192,7 +192,7 @@ impl<'a> Renderer<'a> {
     /// Reads a picture back: [`ROWS_PER_PIXEL`] rows for each pixel, row by row from the top left.
     ///
     /// # Errors
-    /// [`DeviceFault`] where the device fails.
+    /// [`DeviceFault`] if the device fails.
     pub fn read(&self, drawn: &Drawn) -> Result<Vec<[f32; 4]>, DeviceFault> {
         let device = self.device;
         let during = "reading a picture back";
@@ -213,10 +213,10 @@ impl<'a> Renderer<'a> {
         Ok(values[..drawn.bytes as usize / 16].to_vec())
     }
 
-    /// Waits until everything submitted is done.
+    /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// [`DeviceFault`] where the device fails.
+    /// [`DeviceFault`] if the device fails.
     pub fn wait(&self) -> Result<(), DeviceFault> {
         let done = self.device.device.poll(wgpu::PollType::wait_indefinitely());
         done.map(drop).map_err(|error| self.device.fault("drawing", &error))
@@ -231,7 +231,7 @@ impl<'a> Renderer<'a> {
     }
 }
 
-/// Workgroups along two axes for at least `count`, each within what one axis takes.
+/// Numbers of workgroups along two axes, for at least `count` in all, each within the limit of one axis.
 fn groups(device: &Device, count: u32) -> (u32, u32) {
     let most = device.device.limits().max_compute_workgroups_per_dimension;
     let rows = count.div_ceil(most).max(1);

@@ -12,10 +12,10 @@ const POINT_BYTES: u64 = size_of::<[f32; 4]>() as u64;
 /// Bytes of a φ in its buffer.
 const PHI_BYTES: u64 = size_of::<f32>() as u64;
 
-/// Why points were not sampled.
+/// Reason why points were not sampled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SampleError {
-    /// Header and arrays are not one grid.
+    /// Header and arrays of the grid do not match.
     #[error(transparent)]
     Grid(#[from] GridError),
     /// An array is larger than the adapter can bind.
@@ -53,8 +53,8 @@ impl<'a> Sampler<'a> {
     /// Uploads a grid and compiles the kernel.
     ///
     /// # Errors
-    /// [`SampleError::Grid`] where header and arrays disagree, [`SampleError::TooLarge`] where an array is
-    /// larger than the adapter's limit, [`SampleError::Device`] where the device fails.
+    /// [`SampleError::Grid`] if header and arrays do not match, [`SampleError::TooLarge`] if an array exceeds the
+    /// adapter's binding limit, [`SampleError::Device`] if the device fails.
     pub fn new(device: &'a Device, grid: &GridBuffers<'_>) -> Result<Self, SampleError> {
         grid.validate()?;
         check_size(device, "pool", grid.phi.len())?;
@@ -72,11 +72,11 @@ impl<'a> Sampler<'a> {
         Ok(sampler?)
     }
 
-    /// φ [m] at points [m]: ±band beyond the band, NaN where a point is not finite. The fourth component of a
-    /// point is not read. Agrees with [`GridBuffers::sample_phi`] within rounding.
+    /// Samples φ [m] at points [m]: ±band beyond the band, NaN if a point is not finite. The fourth component of a
+    /// point is ignored. Agrees with [`GridBuffers::sample_phi`] within rounding.
     ///
     /// # Errors
-    /// [`SampleError::Device`] where the device fails.
+    /// [`SampleError::Device`] if the device fails.
     pub fn sample(&self, points: &[[f32; 4]]) -> Result<Vec<f32>, SampleError> {
         let mut phi = Vec::with_capacity(points.len());
         for chunk in points.chunks(self.points_per_dispatch()) {
@@ -85,7 +85,7 @@ impl<'a> Sampler<'a> {
         Ok(phi)
     }
 
-    /// Most points that one dispatch and one binding take.
+    /// Maximum number of points for one dispatch and one binding.
     fn points_per_dispatch(&self) -> usize {
         let limits = self.device.device.limits();
         let by_groups = u64::from(limits.max_compute_workgroups_per_dimension) * u64::from(WORKGROUP_SIZE);
@@ -99,7 +99,7 @@ impl<'a> Sampler<'a> {
         Ok(())
     }
 
-    /// Submits one dispatch; gives the buffer that will hold φ.
+    /// Submits one dispatch; returns the buffer that will hold φ.
     fn dispatch(&self, points: &[[f32; 4]]) -> wgpu::Buffer {
         let Device { device, queue, .. } = self.device;
         let size = points.len() as u64 * PHI_BYTES;
@@ -130,7 +130,7 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Refuses an array of 4-byte values that the device cannot bind.
+/// Refuses an array of 4-byte values that exceeds the device's binding limit.
 fn check_size(device: &Device, array: &'static str, values: usize) -> Result<(), SampleError> {
     let bytes = values as u64 * 4;
     let limit = binding_limit(device);

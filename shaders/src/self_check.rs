@@ -1,5 +1,4 @@
-//! The device held against the Rust twin on a field whose values are known: real use of a kernel on the
-//! user's own driver.
+//! Comparison of the device with the CPU twin on a field with known values: a real kernel on the user's own driver.
 
 use crate::brick_grid::GridBuffers;
 use crate::constants::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE};
@@ -7,25 +6,26 @@ use crate::device::Device;
 use crate::layout::GridHeader;
 use crate::sample::{SampleError, Sampler};
 
-/// Largest difference between device and twin that rounding explains [voxels]. Coordinates stay below 32
-/// voxels, where a division good to 2.5 units in the last place, as Vulkan promises, is good to 5e-6 voxels; on
-/// a field of slope 1, with contracted multiply-adds besides, that leaves a factor of five.
+/// Largest difference between device and twin that rounding explains [voxels]. Coordinates stay below 32 voxels. There
+/// a division with an error of 2.5 units in the last place, as Vulkan guarantees, is accurate to 5e-6 voxels. On a
+/// field of slope 1, including contracted multiply-adds, that leaves a factor of five.
 pub const SELF_CHECK_LIMIT: f32 = 1e-4;
 
 /// Distance between voxels of the checked grid [m].
 const VOXEL: f32 = 0.001;
 /// Its truncation distance [m].
 const BAND: f32 = 0.003;
-/// Radius of its ball [m]: the eight bricks around the centre are wholly inside, those in the corners outside.
+/// Radius of its ball [m]: the eight bricks around the centre are entirely inside, those in the corners entirely
+/// outside.
 const RADIUS: f32 = 0.0172;
 /// Bricks from the centre to each side.
 const REACH: i32 = 3;
 
-/// Samples a ball on the device and on the CPU, and gives the largest difference [voxels]: NaN where one says
-/// NaN and the other a number. The device is right when it is below [`SELF_CHECK_LIMIT`].
+/// Samples a ball on the device and on the CPU, and returns the largest difference [voxels]: NaN if only one of the two
+/// gives NaN. The device is correct if the result is below [`SELF_CHECK_LIMIT`].
 ///
 /// # Errors
-/// Those of [`Sampler`].
+/// The errors of [`Sampler`].
 pub fn self_check(device: &Device) -> Result<f32, SampleError> {
     let (header, index, phi) = ball();
     let grid = GridBuffers { header, index: &index, phi: &phi };
@@ -38,12 +38,12 @@ pub fn self_check(device: &Device) -> Result<f32, SampleError> {
     Ok(worst(differences))
 }
 
-/// The largest number, or NaN where there is one, which `f32::max` would drop.
+/// The largest number, or NaN if any is NaN, which `f32::max` would drop.
 fn worst(differences: impl Iterator<Item = f32>) -> f32 {
     differences.fold(0.0, |worst, next| if worst.is_nan() || next <= worst { worst } else { next })
 }
 
-/// A ball around the origin: slots, both codes, and bricks on either side of zero.
+/// A ball around the origin: slots, both codes, and bricks on both sides of zero.
 fn ball() -> (GridHeader, Vec<u32>, Vec<f32>) {
     let (mut index, mut phi) = (Vec::new(), Vec::new());
     let mut bricks = 0;
@@ -69,7 +69,7 @@ fn ball() -> (GridHeader, Vec<u32>, Vec<f32>) {
     (GridHeader::new([-REACH; 3], [across; 3], VOXEL, BAND, bricks), index, phi)
 }
 
-/// Points in and around the ball's box, on voxels and between them, and one that is no point.
+/// Points in and around the ball's box, on voxels and between them, and one that is not finite.
 fn points() -> Vec<[f32; 4]> {
     // Fractional parts of multiples of irrational numbers fill the box evenly (Weyl 1916).
     let along = |i: u32, step: f64| ((f64::from(i) * step).fract() as f32 - 0.5) * 0.06;

@@ -1,10 +1,10 @@
 //! A pass of many trials on the device, one workgroup each; host file of the kernels `simulate_*.wgsl`.
 //!
-//! A trial goes from phase to phase; a phase is four dispatches: two shares of the work over all lines, the sums, and the decision what
-//! comes next. No kernel needs a barrier, and all trials go on beside each other whatever their phases are.
+//! A trial runs phase by phase. A phase is four dispatches: two parts of the work over all columns, the reductions, and
+//! the choice of the next phase. No kernel needs a barrier, and all trials run in parallel whatever their phases are.
 //!
-//! Trials share the bricks of their asset and copy a brick before they write it. A trial that runs out of room for bricks or
-//! columns stands still until [`Running::advance`] has made more, and goes on where it was.
+//! Trials share the bricks of their asset and copy a brick before they write to it. A trial that runs out of memory for
+//! bricks or columns stops until [`Running::advance`] has allocated more, and then resumes.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::wgsl::{Kernel, SIMULATE_CONTROL, SIMULATE_FIRST, SIMULATE_REDUCE, SIM
 const WORD: u64 = 4;
 const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
 
-/// Why a batch was not simulated.
+/// Reason why a batch was not simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {
     /// An array is larger than the adapter can bind.
@@ -47,7 +47,7 @@ pub enum SimulateError {
 }
 
 impl SimulateError {
-    /// Whether fewer trials at once may go well.
+    /// Returns true if fewer trials at once may succeed.
     pub fn is_for_want_of_room(&self) -> bool {
         match self {
             Self::TooLarge { .. } => true,
@@ -56,14 +56,14 @@ impl SimulateError {
     }
 }
 
-/// Room that each trial of a batch has.
+/// Memory of each trial of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rooms {
-    /// Bricks of its own.
+    /// Number of own bricks.
     pub bricks: u32,
-    /// Lines of its sheet.
+    /// Number of columns of its height field.
     pub lines: u32,
-    /// Phases of a submission.
+    /// Number of phases of a submission.
     pub ticks: u32,
 }
 
@@ -80,12 +80,12 @@ impl Rooms {
     }
 }
 
-/// Trials as they begin. Where a setup says that something begins is filled in by [`Simulator::load`].
+/// Trials before their first phase. [`Simulator::load`] fills in the offsets of the setups.
 #[derive(Clone, Debug)]
 pub struct Batch {
-    /// What all share.
+    /// Values that all trials share.
     pub header: RunHeader,
-    /// One for each trial; `first_brick`, `shared_bricks`, `path_first` and `path_pieces` are the caller's.
+    /// One for each trial; the caller fills in `first_brick`, `shared_bricks`, `path_first` and `path_pieces`.
     pub setups: Vec<TrialSetup>,
     /// One for each trial.
     pub states: Vec<TrialState>,
@@ -95,7 +95,7 @@ pub struct Batch {
     pub bricks: Vec<f32>,
     /// Paths.
     pub path: Vec<PathPiece>,
-    /// Values of all trials, equally many each.
+    /// Values of all trials, the same number for each.
     pub values: Vec<f32>,
 }
 
@@ -106,7 +106,7 @@ pub struct Simulator<'a> {
     kernels: Arc<Kernels>,
 }
 
-/// What is compiled of them.
+/// Compiled kernels.
 #[derive(Debug)]
 pub(crate) struct Kernels {
     layout: wgpu::BindGroupLayout,
@@ -114,14 +114,14 @@ pub(crate) struct Kernels {
     pipelines: [wgpu::ComputePipeline; 4],
 }
 
-/// A batch under way.
+/// A batch in progress.
 #[derive(Debug)]
 pub struct Running<'a> {
     simulator: &'a Simulator<'a>,
     rooms: Rooms,
     header: RunHeader,
     setups: Vec<TrialSetup>,
-    /// Bricks of the assets.
+    /// Number of bricks of the assets.
     shared: u64,
     values_each: usize,
     buffers: Buffers,
@@ -141,16 +141,16 @@ struct Buffers {
     values: wgpu::Buffer,
 }
 
-/// What a submission left.
+/// Result of a submission.
 #[derive(Clone, Debug)]
 pub struct Chunk {
-    /// Where each trial is.
+    /// State of each trial.
     pub states: Vec<TrialState>,
-    /// Rows of the log; each trial's are a ring of [`TrialSetup::log_rows`].
+    /// Rows of the log; each trial's form a ring buffer of [`TrialSetup::log_rows`].
     pub rows: Vec<LogRecord>,
 }
 
-/// A trial at its end.
+/// Results of a finished trial.
 #[derive(Clone, Debug)]
 pub struct Remains {
     /// Its index: slots from [`TrialSetup::shared_bricks`] on are its own bricks.
@@ -162,10 +162,10 @@ pub struct Remains {
 }
 
 impl<'a> Simulator<'a> {
-    /// Compiles the kernels with the formulas of a model, WGSL in the form of `no_model.wgsl`; once on each device.
+    /// Compiles the kernels with the formulas of a model, as WGSL in the form of `no_model.wgsl`; once per device.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// The device's fault.
     pub fn new(device: &'a Device, formulas: &str) -> Result<Self, DeviceFault> {
         let during = "compiling the kernels of `simulate`";
         let mut known = device.kernels.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -186,7 +186,8 @@ impl<'a> Simulator<'a> {
     /// Uploads a batch.
     ///
     /// # Errors
-    /// [`SimulateError::TooLarge`] where an array does not fit, [`SimulateError::Device`] where the device fails.
+    /// [`SimulateError::TooLarge`] if an array exceeds the binding limit, [`SimulateError::Device`] if the device
+    /// fails.
     pub fn load(&self, batch: Batch, rooms: Rooms) -> Result<Running<'_>, SimulateError> {
         let trials = batch.setups.len();
         let planes = u64::from(batch.header.planes);
@@ -218,10 +219,10 @@ impl<'a> Simulator<'a> {
     }
 }
 
-/// Label, content, room in bytes where that is more, and usage of a buffer.
+/// Label, content, size in bytes if larger than the content, and usage of a buffer.
 type Content<'a> = (&'a str, &'a [u8], u64, wgpu::BufferUsages);
 
-/// Makes buffers, then fills them: a write for which there is no memory would cost the device, a buffer costs nothing.
+/// Creates buffers, then fills them: a write without memory for it would lose the device, a failed creation does not.
 fn filled<const N: usize>(
     device: &Device,
     during: &str,
@@ -267,7 +268,7 @@ fn entries(setup: &TrialSetup) -> u32 {
     x * y * z
 }
 
-/// Puts the trials' parts of each array one after the other.
+/// Assigns each trial its offsets in the arrays, one trial after the other.
 fn lay_out(setups: &mut [TrialSetup], rooms: Rooms, shared: u64, values_each: usize) {
     let mut index = 0;
     for (trial, setup) in (0..).zip(setups) {
@@ -284,7 +285,7 @@ fn lay_out(setups: &mut [TrialSetup], rooms: Rooms, shared: u64, values_each: us
     }
 }
 
-/// The trials' indices with room for the sources of their own bricks.
+/// The trials' indices, extended by the sources of their own bricks.
 fn spread_index(index: &[u32], setups: &[TrialSetup]) -> Vec<u32> {
     let mut spread = Vec::new();
     let mut first = 0;
@@ -297,7 +298,7 @@ fn spread_index(index: &[u32], setups: &[TrialSetup]) -> Vec<u32> {
     spread
 }
 
-/// Bytes of the arrays that grow with the trials.
+/// Sizes of the arrays that grow with the number of trials [bytes].
 struct Sizes {
     pool: u64,
     columns: u64,

@@ -1,11 +1,11 @@
-//! What the kernel `render` must know of a scene besides the part: everything in the part's frame.
+//! Scene description for the kernel `render`, besides the part; all in the part's frame.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::layout::{SharedType, shared_struct};
 
 shared_struct! {
-    /// A camera, lights and materials as seen from the part.
+    /// Camera, lights and materials in the part's frame.
     RenderStage {
         /// Centre of projection [voxels], from the lowest voxel of the index; the fourth is 0.
         eye: [f32; 4],
@@ -39,23 +39,23 @@ shared_struct! {
         metallic: [f32; 4],
         /// Distortion p2 of the lens.
         lens_askew: f32,
-        /// Width of the image by its height.
+        /// Width of the image divided by its height.
         aspect: f32,
-        /// Half the height of the image: at unit distance, or of parallel rays [m].
+        /// Half the height of the image: at unit distance, or for parallel rays in [m].
         half_image: f32,
-        /// Nudge of a ray across a border [voxels].
+        /// Offset of a ray across a border [voxels].
         nudge: f32,
         /// Height of the table along `up` [voxels].
         table: f32,
         /// Metallic response of the table.
         table_metallic: f32,
-        /// Removed depth from which on metal looks ground [m].
+        /// Removed depth above which metal looks ground [m].
         ground_depth: f32,
         /// Width of a grinding mark [m].
         mark_width: f32,
         /// Slope of its flanks.
         mark_slope: f32,
-        /// How much smoother ground metal is along the marks, 0 to 1.
+        /// Reduction of the roughness of ground metal along the marks, 0 to 1.
         mark_anisotropy: f32,
         /// Pixels along a row.
         width: u32,
@@ -63,27 +63,27 @@ shared_struct! {
         height: u32,
         /// Colour samples along each side of a pixel.
         samples_per_side: u32,
-        /// Lamps in the rows.
+        /// Number of lamps in the rows.
         lamps: u32,
-        /// Points of the marks' path in the rows.
+        /// Number of points of the marks' path in the rows.
         marks: u32,
         /// 1 for parallel rays.
         parallel: u32,
-        /// 1 where a table is.
+        /// 1 if there is a table.
         has_table: u32,
-        /// 1 where the part is coated.
+        /// 1 if the part is coated.
         has_coating: u32,
-        /// 1 where the grid has weld ids.
+        /// 1 if the grid has weld ids.
         has_label: u32,
-        /// 1 where it has a dose.
+        /// 1 if it has a dose.
         has_dose: u32,
-        /// 1 where it has removed depths.
+        /// 1 if it has removed depths.
         has_removed: u32,
-        /// Nothing.
+        /// Padding.
         padding_a: u32,
-        /// Nothing.
+        /// Padding.
         padding_b: u32,
-        /// Nothing.
+        /// Padding.
         padding_c: u32,
     }
 }

@@ -1,19 +1,19 @@
-//! A device for the tests and benchmarks of every room that has kernels, or a loud word where there is none.
+//! A device for the tests and benchmarks of all crates with kernels, or a clear message if none is available.
 
 use std::time::Instant;
 
 use crate::buffers::zeros;
 use crate::device::{BackendChoice, Device, DeviceFault, open};
 
-/// Copied at once to measure bandwidth [bytes]: more than caches hold.
+/// Bytes per copy when measuring bandwidth: more than caches hold.
 const COPIED: u64 = 64 << 20;
-/// Copies of one measurement.
+/// Number of copies of one measurement.
 const COPIES: u32 = 32;
 
-/// Any adapter, software drivers included. Without one this says on standard error what was not tested.
+/// Opens any adapter, software drivers included. Without one, says on standard error which test did not run.
 ///
 /// # Panics
-/// Without an adapter where `ROBOFIN_REQUIRE_GPU=1` promises one, so that no test passes by not running.
+/// Without an adapter if `ROBOFIN_REQUIRE_GPU=1` requires one, so that no test passes without running.
 pub fn device(untested: &str) -> Option<Device> {
     match open(BackendChoice::Gpu) {
         Ok(opened) => opened.device,
@@ -26,10 +26,10 @@ pub fn device(untested: &str) -> Option<Device> {
     }
 }
 
-/// Bytes that the device reads and writes each second when it copies from buffer to buffer.
+/// Bytes that the device reads and writes per second when it copies from buffer to buffer.
 ///
 /// # Errors
-/// [`DeviceFault`] where the device fails.
+/// [`DeviceFault`] if the device fails.
 pub fn copy_bandwidth(device: &Device) -> Result<f64, DeviceFault> {
     let copy = |copies: u32| {
         device.guarded("copying", |device| {
@@ -45,14 +45,14 @@ pub fn copy_bandwidth(device: &Device) -> Result<f64, DeviceFault> {
         })
     };
     let mut seconds = 0.0;
-    // The first copies touch the memory.
+    // The first copies allocate the memory.
     for copies in [2, COPIES] {
         seconds = copy(copies)?.map_err(|error| device.fault("copying", &error))?;
     }
     Ok(2.0 * f64::from(COPIES) * COPIED as f64 / seconds)
 }
 
-/// Takes the device away, as a driver that is reset does.
+/// Destroys the device, as a driver reset does.
 pub fn lose(device: &Device) {
     device.device.destroy();
 }

@@ -1,4 +1,4 @@
-//! Kernels put together: constants and structs written out from Rust, then the WGSL files they are made of.
+//! Assembly of kernels: constants and structs written out from Rust, followed by WGSL files.
 
 use crate::constants;
 use crate::layout;
@@ -22,19 +22,19 @@ macro_rules! source {
     };
 }
 
-/// An entry point and what it is compiled from.
+/// An entry point and its sources.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     /// Name of the entry point, the stem of its file.
     pub entry: &'static str,
-    /// The files, what is called before what calls it.
+    /// The files; callees come before callers.
     pub sources: &'static [Source],
 }
 
 /// φ at a list of points.
 pub const SAMPLE: Kernel = Kernel { entry: "sample", sources: &[source!("brick_grid.wgsl"), source!("sample.wgsl")] };
 
-/// The formulas of no model, in the place of those that are written out when a model is loaded.
+/// Formulas without a model, a placeholder for those that are written out when a model is loaded.
 const NO_MODEL: Source = source!("no_model.wgsl");
 
 macro_rules! simulation {
@@ -61,7 +61,7 @@ macro_rules! simulation {
     };
 }
 
-/// First share of a phase of many trials.
+/// First part of a phase of many trials.
 pub const SIMULATE_FIRST: Kernel = simulation!(
     "simulate_first",
     [
@@ -77,7 +77,7 @@ pub const SIMULATE_FIRST: Kernel = simulation!(
     ]
 );
 
-/// Second share of the phase.
+/// Second part of the phase.
 pub const SIMULATE_SECOND: Kernel = simulation!(
     "simulate_second",
     [
@@ -95,7 +95,7 @@ pub const SIMULATE_SECOND: Kernel = simulation!(
 /// Sums over the invocations of each trial.
 pub const SIMULATE_REDUCE: Kernel = simulation!("simulate_reduce", []);
 
-/// What each trial does next.
+/// Choice of each trial's next phase.
 pub const SIMULATE_CONTROL: Kernel = simulation!(
     "simulate_control",
     [
@@ -110,7 +110,7 @@ pub const SIMULATE_CONTROL: Kernel = simulation!(
     ]
 );
 
-/// Blocks of each brick that a ray must look into.
+/// Blocks of each brick that a ray must examine.
 pub const OCCUPANCY: Kernel =
     Kernel { entry: "occupancy", sources: &[source!("brick_grid.wgsl"), source!("occupancy.wgsl")] };
 
@@ -135,7 +135,7 @@ pub const KERNELS: [Kernel; 7] =
     [SAMPLE, SIMULATE_FIRST, SIMULATE_SECOND, SIMULATE_REDUCE, SIMULATE_CONTROL, OCCUPANCY, RENDER];
 
 impl Kernel {
-    /// The whole WGSL text that is compiled; a simulation is that of no model.
+    /// The whole WGSL text that is compiled; a simulation kernel is without a model.
     pub fn text(&self) -> String {
         self.with_formulas(NO_MODEL.text)
     }

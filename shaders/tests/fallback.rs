@@ -1,4 +1,4 @@
-//! A machine without a driver: one clear line and the CPU, or an error that names the package. Never a panic.
+//! A machine without a driver: one clear line and the CPU, or an error that names the package; never a panic.
 
 use std::process::Command;
 
@@ -40,7 +40,7 @@ fn with_every_driver_hidden_auto_is_the_cpu_and_gpu_names_the_package() {
         .expect("a child process");
     let said = String::from_utf8_lossy(&child.stdout);
     assert!(child.status.success(), "{said}{}", String::from_utf8_lossy(&child.stderr));
-    // Where the machine has a graphics processor, `auto` looks for drivers, too.
+    // If the machine has a graphics processor, `auto` looks for drivers, too.
     for line in ["auto: CPU: ", "gpu: --backend gpu: no graphics adapter found"] {
         let line = said.lines().find(|l| l.contains(line)).unwrap_or_else(|| panic!("no \"{line}\" in {said}"));
         assert!(line.contains(DRIVER_PACKAGE), "{line}");

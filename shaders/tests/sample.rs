@@ -1,4 +1,4 @@
-//! Parity of the kernel `sample` with its Rust twin, and both against closed forms.
+//! Parity of the kernel `sample` with its CPU twin, and both against closed forms.
 
 use shaders::constants::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE};
 use shaders::testing::device;
@@ -8,7 +8,7 @@ const VOXEL: f32 = 0.0005;
 const ORIGIN: [i32; 3] = [-2, -1, -3];
 const DIMS: [u32; 3] = [4, 3, 5];
 
-/// Numbers from 0 to 1 that repeat from run to run (Park & Miller 1988).
+/// Reproducible random numbers from 0 to 1 (Park & Miller 1988).
 struct Stream(u64);
 
 impl Stream {
@@ -25,8 +25,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// Bricks whose values come from `phi` [m] at voxel coordinates; every fourth brick is OUTSIDE, and every
-    /// fourth INSIDE, where `gaps` says so.
+    /// Bricks whose values come from `phi` [m] at voxel coordinates; with `gaps`, every fourth brick is OUTSIDE and
+    /// every fourth INSIDE.
     fn new(band: f32, gaps: bool, mut phi: impl FnMut([f32; 3]) -> f32) -> Self {
         let [nx, ny, nz] = DIMS.map(|n| n as i32);
         let mut grid = Self { header: GridHeader::new(ORIGIN, DIMS, VOXEL, band, 0), index: vec![], phi: vec![] };
@@ -44,7 +44,7 @@ impl Grid {
                 grid.phi.push(phi(std::array::from_fn(|a| (brick[a] * BRICK_SIDE as i32 + local[a]) as f32)));
             }
         }
-        // The pool in another order than the index, as after bricks are added.
+        // The pool in a different order from the index, as after bricks are added.
         let bricks = grid.header.bricks;
         let turned = bricks as usize / 2 * BRICK_VOXELS as usize;
         grid.phi.rotate_left(turned);
@@ -59,7 +59,7 @@ impl Grid {
     }
 }
 
-/// Points in the indexed box and beyond it: anywhere, on voxels and brick borders, and a hair beside them.
+/// Points in the indexed box and beyond it: anywhere, on voxels and brick borders, and very close to them.
 fn points(seed: u64) -> Vec<[f32; 4]> {
     let mut stream = Stream(seed);
     let mut points = Vec::new();
@@ -102,7 +102,7 @@ fn random_fields_with_gaps_are_sampled_as_the_twin_samples_them() {
     let Some(device) = device("parity of the kernel `sample` on random fields") else { return };
     for seed in 1..=4 {
         let mut stream = Stream(seed * 977);
-        // Half a voxel either way: no step between neighbours is steeper than a distance's.
+        // Half a voxel either way: no difference between neighbours exceeds that of a distance.
         let grid = Grid::new(0.5 * VOXEL, true, |_| (stream.next() - 0.5) * VOXEL);
         assert_eq!(grid.buffers().validate(), Ok(()));
         let sampler = Sampler::new(&device, &grid.buffers()).expect("a sampler");

@@ -1,4 +1,4 @@
-//! Every WGSL source parses and validates, without a device.
+//! Tests without a device: every WGSL source parses and validates.
 
 use std::collections::BTreeSet;
 

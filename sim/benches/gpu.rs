@@ -1,11 +1,11 @@
 //! Steps of many trials at once, on the device and on the CPU: `cargo bench -p robofin-sim --bench gpu`.
 //!
-//! A wheel on a plate under an admittance controller that is sampled every millisecond: a step is a millisecond, and trials run in
-//! real time where a step of all of them takes no longer. The time of a step is the difference between a long and a short pass
-//! over the difference of their steps, so that compiling, uploading and reading back do not count.
+//! A wheel on a plate under an admittance controller that is sampled every millisecond. A step is a millisecond, so
+//! trials run in real time if a step of all of them takes no longer. The time of a step is the difference between a
+//! long and a short pass over the difference of their steps; so compilation, upload and read-back do not count.
 //!
-//! The limit beside it is one of memory: every array over the lines of the contact, the state, the sums and the row of the log
-//! once in and once out each step, at the rate at which the device copies buffers.
+//! The limit printed beside it is the memory bandwidth: every array over the columns of the contact, the state, the
+//! sums and the row of the log are read and written once each step, at the rate at which the device copies buffers.
 
 use std::time::Instant;
 
@@ -28,13 +28,13 @@ const WIDTH: f64 = 4e-3;
 const FEED: f64 = 5e-3;
 /// Time of a step [s].
 const PERIOD: f64 = 1e-3;
-/// Ways of the passes [m].
+/// Lengths of the passes [m].
 const WAYS: [f64; 2] = [0.2e-3, 0.8e-3];
-/// Trials at once on a software driver, and on a real device.
+/// Numbers of trials at once on a software driver, and on a real device.
 const FEW: [usize; 3] = [1, 8, 32];
 const MANY: [usize; 5] = [1, 64, 512, 1024, 4096];
 
-/// All that the trials share.
+/// Inputs that all trials share.
 struct Bench {
     part: BrickGrid,
     tool: Tool,
@@ -57,12 +57,12 @@ fn main() {
     }
 }
 
-/// Lines of the contact and of the border around it.
+/// Number of columns of the contact and of the border around it.
 fn lines(record: &PassRecord) -> f64 {
     (WIDTH / VOXEL + 2.0) * (record.area_max / WIDTH / VOXEL + 2.0)
 }
 
-/// Least bytes of a step of a trial.
+/// Minimum memory traffic of a step of a trial [bytes].
 fn bytes(record: &PassRecord) -> f64 {
     let fixed = 4 * PARTIALS as usize + size_of::<TrialState>() + size_of::<LogRecord>();
     2.0 * (4.0 * f64::from(COLUMN_ARRAYS) * lines(record) + fixed as f64)
@@ -106,7 +106,7 @@ impl Bench {
         Pass::first(&self.tool, &self.paths[way], &self.settings, &self.model)
     }
 
-    /// Time [s] and steps of a pass of so many trials, on all threads; and one record.
+    /// Time [s] and steps of a pass of a number of trials, on all threads; and one record.
     fn on_cpu(&self, trials: usize, way: usize) -> ((f64, usize), PassRecord) {
         let started = Instant::now();
         let run = |_| {

@@ -1,4 +1,4 @@
-//! How fast two passes over a weld bead are simulated: `cargo run --release -p robofin-sim --example speed`.
+//! Simulation speed of two passes over a weld bead: `cargo run --release -p robofin-sim --example speed`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -1,6 +1,6 @@
-//! Means of `max(d, 0)` for a depth d that is linear over a rectangle: how a patch's rim is resolved.
+//! Means of `max(d, 0)` over a rectangle for a linear depth d: the integrals of a cell that the patch's rim clips.
 
-/// Spans below this share of the depth scale would divide by almost zero.
+/// Spans below this share of the depth scale count as zero, to avoid a division by almost zero.
 const FLAT: f64 = 1e-14;
 
 /// Mean of `max(depth + x + y, 0)` over |x| ≤ spans.0, |y| ≤ spans.1, all in metres.
@@ -12,23 +12,23 @@ pub(crate) fn ramp_mean(depth: f64, spans: (f64, f64)) -> f64 {
     (ramp_integral(depth + narrow, wide) - ramp_integral(depth - narrow, wide)) / (2.0 * narrow)
 }
 
-/// Share of the same rectangle in which `depth + x + y` is positive.
+/// Share of the same rectangle on which `depth + x + y` is positive.
 #[inline(always)]
 pub(crate) fn wet_share(depth: f64, (a, b): (f64, f64)) -> f64 {
     let (wide, narrow) = (if a > b { a } else { b }, if a > b { b } else { a });
-    // Both are computed, for lanes that cannot branch.
+    // Both branches are computed, because SIMD lanes cannot branch.
     let sharp = step(depth, wide);
     let blurred = (ramp(depth + narrow, wide) - ramp(depth - narrow, wide)) / (2.0 * narrow);
     if is_flat(narrow, wide) { sharp } else { blurred }
 }
 
-/// Whether a rectangle counts as the line of its wide span.
+/// True if the narrow span is negligible, so that the rectangle counts as a line along its wide span.
 #[inline(always)]
 fn is_flat(narrow: f64, wide: f64) -> bool {
     narrow <= FLAT + 1e-6 * wide
 }
 
-/// Share of |x| ≤ span in which z + x > 0.
+/// Share of |x| ≤ span on which z + x > 0.
 #[inline(always)]
 fn step(z: f64, span: f64) -> f64 {
     let crossed = (z + span) / (2.0 * span);
@@ -44,7 +44,7 @@ fn ramp(z: f64, span: f64) -> f64 {
     if z >= span { z } else { least }
 }
 
-/// ∫ ramp dz from below.
+/// ∫ ramp dz from -∞ to z.
 fn ramp_integral(z: f64, span: f64) -> f64 {
     if z >= span {
         0.5 * z * z + span * span / 6.0

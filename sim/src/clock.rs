@@ -1,37 +1,37 @@
-//! Where the time of a simulation goes, for those who measure its speed. Nothing that is simulated depends on it.
+//! Timer of the phases of a simulation, for benchmarks. No result depends on it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// A part of the work on a pass.
+/// Phase of the work on a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Sheets are read from the field.
+    /// Height fields are read from the distance field.
     Read,
-    /// Squares are measured under the tool, for every try of the balance.
+    /// Cell depths under the tool are measured, for every trial of the force balance.
     Squares,
-    /// Squares in contact are gathered as lanes, and the model's formulas run over them.
+    /// Cells in contact are gathered into lanes, and the model's formulas are evaluated on them.
     Model,
-    /// Lanes are integrated over the step, and their force is summed.
+    /// Lanes are integrated over the step, and their forces are summed.
     Integrate,
-    /// A step that is accepted is summed up, applied to the sheet and logged.
+    /// An accepted step is summed, applied to the height field and logged.
     Apply,
-    /// What a sheet lost is written into the field.
+    /// The recession of a height field is written into the distance field.
     Write,
 }
 
 impl Phase {
-    /// All, in the order of a step.
+    /// All phases, in the order of a step.
     pub const ALL: [Self; 6] = [Self::Read, Self::Squares, Self::Model, Self::Integrate, Self::Apply, Self::Write];
 }
 
-/// Sums up the time of each [`Phase`].
+/// Sums of the time of each [`Phase`].
 #[derive(Debug)]
 pub struct Clock {
     begun: Instant,
-    /// Since `begun` [ns].
+    /// Time of the last call since `begun` [ns].
     last: AtomicU64,
-    /// By [`Phase`] [ns].
+    /// Time of each [`Phase`] [ns].
     spent: [AtomicU64; Phase::ALL.len()],
 }
 
@@ -47,12 +47,12 @@ impl Clock {
         self.spent[phase as usize].load(Ordering::Relaxed) as f64 * 1e-9
     }
 
-    /// Lets the time that has gone by count for nothing.
+    /// Discards the time since the last call.
     pub(crate) fn skip(&self) {
         self.last.store(self.begun.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 
-    /// Counts the time since the last call for a phase.
+    /// Adds the time since the last call to a phase.
     pub(crate) fn lap(&self, phase: Phase) {
         let now = self.begun.elapsed().as_nanos() as u64;
         let last = self.last.swap(now, Ordering::Relaxed);

@@ -1,9 +1,9 @@
-//! Writing what a sheet lost back into the field, Eq. (1): `∂φ/∂t = r |∇φ|`.
+//! Writes the recession of a height field back into the distance field, Eq. (1): `∂φ/∂t = r |∇φ|`.
 //!
-//! A voxel rises with its closest surface point (extension velocities, Adalsteinsson and Sethian 1999): by how far the
-//! columns there have sunk, interpolated between them, times the field's own steepness along the column. So the zero set
-//! moves by exactly what its columns sank. Then the voxels that carry no zero set take
-//! their distance anew.
+//! A voxel moves with its closest surface point (extension velocities, Adalsteinsson and Sethian 1999). Its φ rises by
+//! the recession of the columns there, interpolated between columns, times the field's own steepness along the column.
+//! So the zero set moves by exactly the recession of its columns. Then the voxels away from the zero set are
+//! reinitialised.
 
 mod reinitialize;
 
@@ -15,10 +15,10 @@ use shaders::constants::STEEPEST;
 use self::reinitialize::renew;
 use crate::sheet::{NO_SURFACE, Sheet};
 
-/// Bounds of the field's steepness that are believed.
+/// Bounds to which the field's measured steepness is clamped.
 const STEEPNESS: (f64, f64) = (0.3, 2.0);
 
-/// Writes the recession of a sheet into the field it was read from.
+/// Writes the recession of a height field into the distance field it was read from.
 pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
     if !grid.dose.is_empty() {
         let dosed = (0..sheet.window.lines()).filter(|&line| sheet.dose[line] > 0.0);
@@ -39,14 +39,15 @@ pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
     renew(grid, sheet, &columns);
 }
 
-/// A column whose voxels may change, and its place in the window.
+/// A column whose voxels may change, and its position in the window.
 struct Column {
     line: usize,
     row: usize,
     across: usize,
 }
 
-/// Columns whose voxels may have a receded column as their closest surface point, by how far each has `sunk` [m].
+/// Columns whose voxels may have a receded column as their closest surface point. `sunk` is the recession of each
+/// column [m].
 fn columns_to_change(sheet: &Sheet, sunk: &[f64]) -> Option<Vec<Column>> {
     let [rows, across] = sheet.window.size;
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
@@ -66,7 +67,7 @@ fn columns_to_change(sheet: &Sheet, sunk: &[f64]) -> Option<Vec<Column>> {
     Some(columns.filter(|column| sheet.read_height[column.line] > NO_SURFACE).collect())
 }
 
-/// Gives bricks to what lies ahead of the receding surface.
+/// Allocates bricks ahead of the receding surface.
 fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, columns: &[Column]) {
     let mut last = IVec3::MAX;
     for &Column { line, .. } in columns {
@@ -82,7 +83,7 @@ fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, columns: &[Column]) {
     }
 }
 
-/// Writes a line's value of a channel to the voxels around its surface.
+/// Writes a column's value of a channel to the voxels around its surface.
 fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar, value: f64) {
     if sheet.height[line] <= NO_SURFACE {
         return;
@@ -95,7 +96,7 @@ fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar,
     }
 }
 
-/// Raises the band's voxels of a column.
+/// Raises φ at a column's voxels within the band.
 fn raise(grid: &mut BrickGrid, sheet: &Sheet, sunk: &[f64], column: &Column) {
     let line = column.line;
     let below = floor(sheet.read_height[line] / sheet.pitch);
@@ -122,25 +123,25 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, sunk: &[f64], column: &Column) {
     }
 }
 
-/// The whole number at or below a value that fits an `i32`; the library's function is a call on plain x86-64.
+/// Floor of a value that fits an `i32`; the library's function is a call on plain x86-64.
 fn floor(value: f64) -> i32 {
     let near = value as i32;
     near - i32::from(f64::from(near) > value)
 }
 
-/// Voxels above or below the surface that a column's share of the band covers.
+/// Number of voxels above or below the surface that lie within the band along a column.
 fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
     (f64::from(grid.band) / grid.voxel * area_ratio.min(STEEPEST)).ceil() as i32 + 1
 }
 
-/// The four columns around a place of the window, with their weights in a bilinear mean.
+/// The four columns around a point of the window, with their bilinear weights.
 struct Around {
     lines: [usize; 4],
     weights: [f64; 4],
 }
 
 impl Around {
-    /// Around a place `at` [columns] away from a column; `None` beyond the window.
+    /// The columns around the point at offset `at` [columns] from a column; `None` beyond the window.
     #[inline(always)]
     fn of(sheet: &Sheet, column: &Column, at: DVec2) -> Option<Self> {
         let [rows, across] = sheet.window.size;
@@ -157,7 +158,7 @@ impl Around {
         })
     }
 
-    /// Mean of what each line has.
+    /// Weighted mean of per-column values.
     #[inline(always)]
     fn mean(&self, values: &[f64]) -> f64 {
         self.lines.iter().zip(self.weights).map(|(line, weight)| weight * values[*line]).sum()

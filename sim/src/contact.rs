@@ -1,9 +1,9 @@
-//! The contact patch: where a tool overlaps the workpiece, and how deep.
+//! The contact patch: the cells in which a tool overlaps the workpiece, and their depths.
 //!
-//! The patch is cut into the squares around the sheet's columns. Within a square the depth is taken as linear where
-//! the patch's rim or the border of the working surface crosses it, and integrated exactly; inside the patch it is taken
-//! as quadratic. So sums over squares are second order in the voxel size. A tool from a mesh has edges between columns: its
-//! squares are cut into smaller cells (`closer`).
+//! The patch is divided into the cells around the height field's columns. In a cell that the patch's rim or the border
+//! of the working surface crosses, the depth is taken as linear and integrated exactly. Inside the patch it is taken as
+//! quadratic. So sums over cells are second order in the voxel size. A tool from a mesh has edges between columns: its
+//! cells are subdivided (`closer`).
 
 mod border;
 mod closer;
@@ -28,15 +28,15 @@ use crate::region::Region;
 use crate::sheet::Sheet;
 use robot::Tool;
 
-/// Way of a tool across its own axis for which what lies under it is not measured anew [voxels].
+/// Motion of a tool across its own axis up to which the covers are not measured again [voxels].
 const SAME_COVER: f64 = 1e-3;
 
-/// What a tool meets.
+/// Forces on a tool and size of its contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Contact {
     /// Normal force `F = ∫ p n·a dA` along the approach axis a [N].
     pub force: f64,
-    /// `∫ p dA` over the surface itself [N]: what drives removal.
+    /// `∫ p dA` over the surface itself [N]; it drives removal.
     pub load: f64,
     /// Moment of the normal force about the tool's reference point [N m].
     pub moment: DVec3,
@@ -53,65 +53,65 @@ impl Contact {
     }
 }
 
-/// A part of a sheet that is looked at.
+/// The part of a height field that is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// The sheet.
+    /// The height field.
     pub sheet: &'a Sheet,
-    /// Columns of it that are looked at.
+    /// Its columns that are evaluated.
     pub region: &'a Region,
 }
 
-/// Where a tool was when its squares were measured.
+/// Pose of the tool at the last measurement.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     frame: Frame,
-    /// Its sweep [m].
+    /// Sweep of the tool [m].
     sweep: DVec3,
-    /// Its reference point when the covers were measured [m].
+    /// Reference point when the covers were measured [m].
     over: DVec3,
-    /// The same when the depths were.
+    /// Reference point when the depths were measured [m].
     centre: DVec3,
 }
 
-/// How deep the squares of a sheet lie under a tool; buffers that are filled again and again.
+/// Depths of a height field's cells under a tool; the buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub struct Squares {
-    /// Depth at the column itself [m], negative in the air; known in the region and on the lines around it, in a sweep under
-    /// the pad and around it.
+    /// Depth at the column itself [m], negative in the air. Known in the region and on the columns around it; in a
+    /// sweep, under the pad and around it.
     pub depth: Vec<f64>,
-    /// Mean over the square of the depth where it is positive, 0 elsewhere [m].
+    /// Mean over the cell of the positive part of the depth [m].
     pub mean_depth: Vec<f64>,
-    /// Share of the square that is under the working surface and in contact where the depth is linear.
+    /// Share of the cell that is under the working surface and in contact, for a linear depth.
     pub share: Vec<f64>,
-    /// The same with the depth's curvature along the rim: the patch's area.
+    /// The same, corrected for the depth's curvature along the rim: the patch's area.
     pub area: Vec<f64>,
-    /// When in the sweep a square is under the working surface: the mean time from the sweep's middle, -1/2 to 1/2; other
-    /// than 0 where the border crosses the square. Empty without a sweep; known where a square has a share.
+    /// Mean time in the sweep at which a cell is under the working surface, from the sweep's middle, -1/2 to 1/2.
+    /// Non-zero only where the border crosses the cell. Empty without a sweep; known where a cell has a share.
     pub lag: Vec<f64>,
-    /// Way of the tool in the sweep, in its own frame [m].
+    /// Motion of the tool in the sweep, in its own frame [m].
     pub way: DVec3,
-    /// Lines that had a share when they were measured.
+    /// Columns that had a share when they were measured.
     pub wet: Lines,
-    /// Share of the square that is under the working surface, wet or dry; known where a square has a share, unless there is a
-    /// sweep: then [`UNSETTLED`] where it has to be asked for.
+    /// Share of the cell that is under the working surface, in contact or not. Known where a cell has a share; in a
+    /// sweep it is [`UNSETTLED`] where it has to be computed on demand.
     cover: Vec<f64>,
-    /// What was measured.
+    /// Region that was measured.
     region: Region,
     /// Columns of each row of the region that may be under the working surface.
     columns: Vec<Range<usize>>,
-    /// How far the tool may come nearer or go away while all squares stay wet or dry all over [m].
+    /// Travel along the axis up to which every cell stays entirely in contact or entirely out of contact [m].
     room: f64,
-    /// Where the tool was.
+    /// Pose of the tool.
     at: Option<Measured>,
-    /// True if squares that are not straight are cut into smaller cells, whatever the tool.
+    /// True if cells with curved depths are subdivided, whatever the tool.
     looks_closer: bool,
 }
 
 impl Squares {
-    /// Measures a tool over a region of a sheet. `gap` [m], one per line of the grown region or empty, is how much further
-    /// away the tool's surface is than its shape says. Contact is taken as the mean over the tool's sweep about its
-    /// pose: with the time that the working surface is over a square, and the depth of a pad in that time.
+    /// Measures the depths under a tool over a region. `gap` [m] is the distance that effects add between tool and
+    /// workpiece, one value per column of the grown region, or empty. The contact is a mean over the tool's sweep about
+    /// its pose: it uses the time in which the working surface is over a cell, and a pad's depth in that time.
     pub fn measure(&mut self, place: &Placement, &Ground { sheet, region }: &Ground, gap: &[f64]) {
         let &Placement { tool, pose, sweep } = place;
         self.clear(sheet.window.lines());
@@ -135,13 +135,13 @@ impl Squares {
         self.at = is_pad.then_some(Measured { frame: pose.frame, sweep, over: pose.centre, centre: pose.centre });
     }
 
-    /// Forgets where the tool was: the sheet may be another, or look otherwise.
+    /// Forgets the tool's pose, because the height field or how it is measured may have changed.
     pub fn forget(&mut self) {
         self.at = None;
     }
 
-    /// Measures a pad again over the same region of the same sheet, which has only moved along its axis since it was measured: what
-    /// is under it stays so, but deeper or less deep. Returns whether that is all it did; if not, nothing was measured.
+    /// Updates the depths of a pad that has only moved along its axis over the same region of the same height field.
+    /// Returns true if that is the only motion; otherwise nothing is measured.
     pub fn measure_deeper(&mut self, place: &Placement, sheet: &Sheet) -> bool {
         let Placement { pose, sweep, .. } = *place;
         let Some(at) = self.at.filter(|at| at.frame == pose.frame && at.sweep == sweep) else { return false };
@@ -167,7 +167,7 @@ impl Squares {
         true
     }
 
-    /// Settles all squares, whose depths and covers are known.
+    /// Computes mean depths and shares of all cells from known depths and covers.
     fn settle(&mut self, border: &Border, sheet: &Sheet) {
         pulp::Arch::new().dispatch(Settle { border, sheet, squares: self });
         let closer = self.is_closer(border);
@@ -196,7 +196,7 @@ impl Squares {
         }
     }
 
-    /// Forgets all squares and makes room for those of so many lines.
+    /// Forgets all cells and allocates for the cells of `lines` columns.
     fn clear(&mut self, lines: usize) {
         for run in self.wet.runs() {
             for values in [&mut self.mean_depth, &mut self.share, &mut self.area] {
@@ -254,7 +254,8 @@ impl Squares {
         (along, Difference::new(self.depth[line - 1], here, self.depth[line + 1], pitch))
     }
 
-    /// Those of `lines` that follow each other in a row, on a sheet `across` lines wide, of which depth and neighbours are known.
+    /// The part of a run of columns of one row, on a height field `across` columns wide, whose depths and neighbours
+    /// are known.
     pub(crate) fn known(&self, lines: &Range<usize>, across: usize) -> Range<usize> {
         let row = lines.start / across;
         if !self.region.rows.contains(&row) {
@@ -264,7 +265,7 @@ impl Squares {
         start..(row * across + self.region.columns.end).clamp(start, lines.end)
     }
 
-    /// Columns of lines that follow each other on a sheet `across` lines wide.
+    /// Views of consecutive columns on a height field `across` columns wide.
     #[inline(always)]
     pub(crate) fn columns(&self, lines: Range<usize>, across: usize) -> Columns<'_> {
         let from = |first: usize| &self.depth[first..first + lines.len()];
@@ -276,7 +277,8 @@ impl Squares {
         }
     }
 
-    /// Share of a square by which its height sinks when what is under the working surface recedes: the rest is the groove's wall.
+    /// Share of a cell whose height falls when the surface under the tool recedes; the rest belongs to the groove's
+    /// side face.
     pub(crate) fn cover_of_groove(&self, line: usize) -> f64 {
         if self.share[line] > 0.0 && self.lag.is_empty() { self.cover[line] } else { 1.0 }
     }
@@ -287,18 +289,18 @@ impl Squares {
         (along.bend + sideways.bend) / (sheet.pitch * sheet.pitch)
     }
 
-    /// Whether any square on the region's border is in contact: then the region may be too small.
+    /// True if any cell on the region's border is in contact: then the region may be too small.
     pub fn reaches_border(&self, sheet: &Sheet) -> bool {
         self.region.border(sheet.window.size[1]).any(|line| self.share[line] > 0.0)
     }
 
-    /// Largest depth under the working surface [m], negative: the gap.
+    /// Largest depth under the working surface [m]; negative when the tool is above the surface (the gap).
     pub fn deepest(&self, place: &Placement, sheet: &Sheet) -> f64 {
         self.under(place, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
-/// Columns that follow each other in a row.
+/// Consecutive columns of a row.
 pub(crate) struct Columns<'a> {
     /// Depth at the columns [m], negative in the air, and at their neighbours.
     pub(crate) depth: &'a [f64],
@@ -308,8 +310,9 @@ pub(crate) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Whether the depth bends as over flat work: under a tool that bends by `bend` [m] across a square, and in all by `whole`,
-    /// by `-whole`, give or take half a bend. Work that has taken the tool's shape does not bend it, edges and noise bend it more.
+    /// True if the depth curves as over flat work: by `-whole` [m] in all, within half of `bend` [m], the tool's own
+    /// second difference across a cell. Work that has taken the tool's shape curves less; edges and noise curve it
+    /// more.
     #[inline(always)]
     pub(crate) fn is_flat(&self, i: usize, [bend, whole]: [f64; 2]) -> bool {
         let here = self.depth[i];
@@ -318,16 +321,16 @@ impl Columns<'_> {
         ((along + sideways + whole).abs() <= 0.5 * bend) & (along.abs() <= 1.5 * bend) & (sideways.abs() <= 1.5 * bend)
     }
 
-    /// Cover of a square in contact, 0 of others.
+    /// Cover of a cell in contact, 0 for others.
     #[inline(always)]
     pub(crate) fn cover(&self, i: usize) -> f64 {
         if self.share[i] > 0.0 { self.cover[i] } else { 0.0 }
     }
 }
 
-/// Mean along the rim of what the depth's curvature adds to the linear depth across a square [m]. The rim is the line on
-/// which the linear depth is zero; it is taken from border to border about its point nearest to the square's middle. A square
-/// of one depth has none.
+/// Mean along the rim of what the depth's curvature adds to the linear depth across a cell [m]. The rim is the zero
+/// line of the linear depth, taken across the cell about its point nearest to the cell's middle. A cell of constant
+/// depth has no rim.
 fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
     let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
     if steepness == 0.0 {
@@ -339,13 +342,14 @@ fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
     0.5 * (along.bend * across(along.mean, sideways.mean) + sideways.bend * across(sideways.mean, along.mean))
 }
 
-/// Integral of x²/2 over the wet part of a unit square that is wet from x = 1/2 inwards over `share`: 1/24 when all is.
+/// Integral of x²/2 over the part of a unit cell in contact, which extends from x = 1/2 inwards over `share`; 1/24 for
+/// a full cell.
 fn wet_square_mean(share: f64) -> f64 {
     (0.125 - (0.5 - share).powi(3)) / 6.0
 }
 
-/// Mean depth, share and area of a square that the patch's rim crosses, by its middle's depth, over a sweep in which the
-/// tool sinks in by `sunk` [m] on either side of its middle.
+/// Mean depth, share and area of a cell that the patch's rim crosses, from its middle's depth, over a sweep in which
+/// the tool sinks in by `sunk` [m] on either side of its middle.
 fn partly_wet(
     depth: f64,
     spans: (f64, f64),
@@ -362,11 +366,11 @@ fn partly_wet(
     (ramp_mean(depth, spans) + bent, share, area)
 }
 
-/// First and second difference across a square; a neighbour beyond a wall does not count.
+/// First and second difference across a cell; a neighbour beyond a side face does not count.
 struct Difference {
     mean: f64,
     bend: f64,
-    /// Whether both neighbours count.
+    /// True if both neighbours count.
     is_whole: bool,
 }
 
@@ -381,7 +385,7 @@ impl Difference {
         }
     }
 
-    /// Height of the parabola's peak above the column, if it is in the square.
+    /// Height of the parabola's vertex above the column, if it lies in the cell.
     fn rise(&self) -> f64 {
         if self.bend < 0.0 && self.mean.abs() <= -0.5 * self.bend * (1.0 + 1e-9) {
             -0.5 * self.mean * self.mean / self.bend

@@ -1,4 +1,4 @@
-//! Who decides how far the tool is lifted: the travel along the approach axis from the nominal path.
+//! Force controllers: they set the tool's travel along the approach axis from the nominal path.
 
 use shaders::constants::EVALUATIONS;
 use shaders::constants::FIRST_NUDGE;
@@ -15,11 +15,11 @@ pub struct Motion {
     pub speed: f64,
 }
 
-/// A balance to be found for the end of a step: `F = F_set + B z' + M z''` with backward differences, F being the mean force over
-/// the step.
+/// Equation to be solved for the end of a step: `F = F_set + B z' + M z''` with backward differences, where F is the
+/// mean force over the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance {
-    /// Where the step starts.
+    /// Motion at the start of the step.
     pub from: Motion,
     /// F_set [N].
     pub setpoint: f64,
@@ -27,35 +27,35 @@ pub struct Balance {
     pub damping: f64,
     /// M [kg]; 0 for an ideal controller.
     pub mass: f64,
-    /// Length of the step [s]; 0 for a balance at rest.
+    /// Length of the step [s]; 0 for a static balance.
     pub dt: f64,
     /// Force at the start of the step [N].
     pub start_force: f64,
-    /// Weight of the force at the end of the step in its mean, 1/2 to 1: exact for a spring on a damper.
+    /// Weight of the end force in the mean over the step, 1/2 to 1: exact for a spring on a damper.
     pub weight: f64,
-    /// Difference in force that is good enough [N].
+    /// Tolerance of the force [N].
     pub tolerance: f64,
     /// Lowest and highest travel [m].
     pub bounds: (f64, f64),
 }
 
-/// Force at a travel, its stiffness -dF/dz [N/m], and the gap (negative) or depth under the tool [m].
+/// Force at a travel, its stiffness -dF/dz [N/m], and the maximum depth under the tool (negative: the gap) [m].
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// [N]
     pub force: f64,
     /// [N/m]
     pub stiffness: f64,
-    /// Deepest point under the working surface [m]; -∞ where there is no surface.
+    /// Maximum depth under the working surface [m]; -∞ where there is no surface.
     pub depth: f64,
 }
 
 impl Balance {
-    /// Finds the travel near `guess`: Newton's steps, kept between the travels known to be too low and too high.
-    /// `None` where nothing is met within the bounds.
+    /// Finds the travel near `guess` by Newton's method, safeguarded by brackets. `None` if nothing is touched within
+    /// the bounds.
     ///
     /// # Errors
-    /// The first of `respond`.
+    /// The first error of `respond`.
     pub fn solve<E>(&self, guess: f64, mut respond: impl FnMut(f64) -> Result<Response, E>) -> Result<Option<f64>, E> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut stride, mut nudge) = (FIRST_STRIDE, 0.5 * FIRST_NUDGE);
@@ -74,14 +74,15 @@ impl Balance {
             }
             let slope = self.weight * response.stiffness + drag;
             let step = if slope > 0.0 {
-                // A first touch is far softer than the patch that it becomes.
+                // A first touch is far softer than the patch into which it grows.
                 let newton = travel + excess / slope;
                 stride *= 4.0;
                 if low.is_finite() { newton } else { newton.max(travel - stride) }
             } else if response.depth == f64::NEG_INFINITY {
                 return Ok(None);
             } else {
-                // Down to the surface and a little into it, more each time: a patch far below a voxel has no force.
+                // Moves down to the surface and a little into it, more each time: a patch far below a voxel has no
+                // force.
                 nudge *= 2.0;
                 travel + response.depth.min(0.0) * (1.0 + 1e-9) - nudge
             };
@@ -91,7 +92,7 @@ impl Balance {
                 _ => step,
             };
             if travel.is_nan() || travel < self.bounds.0 {
-                // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
+                // The first touch of a wide tool is so soft that Newton's step overshoots far below the balance.
                 if travel.is_nan() || high <= self.bounds.0 {
                     return Ok(None);
                 }
@@ -104,7 +105,7 @@ impl Balance {
         Ok(Some(travel))
     }
 
-    /// Force in excess of what the controller lets stand [N].
+    /// Force in excess of the controller's law [N].
     fn excess(&self, travel: f64, force: f64) -> f64 {
         if self.dt == 0.0 {
             return force - self.setpoint;
@@ -115,17 +116,17 @@ impl Balance {
     }
 }
 
-/// Weight of the end of a step in the mean of a force that decays over it by `exp(-x)` towards a constant, so that a step of any
-/// length is exact for a spring on a damper (exponential fitting, Liniger and Willoughby 1970): 1/2 for a short step, 1 for a
-/// long one.
+/// Weight of the end of a step in the mean of a force that decays as `exp(-x)` towards a constant. With it, a step of
+/// any length is exact for a spring on a damper (exponential fitting, Liniger and Willoughby 1970): 1/2 for a short
+/// step, 1 for a long one.
 pub(crate) fn end_weight(x: f64) -> f64 {
     let decay = Decay::new(x);
     decay.phi2 / decay.phi1
 }
 
-/// One sample of an admittance controller (semi-implicit Euler) that has read `force` [N].
+/// One sample of an admittance controller (semi-implicit Euler) for a force reading `force` [N].
 pub fn admittance_sample(motion: Motion, force: f64, setpoint: f64, (mass, damping): (f64, f64), dt: f64) -> Motion {
-    // B is taken at the end of the sample: M may then be zero.
+    // The damping uses the speed at the end of the sample, so M may be zero.
     let speed = (mass * motion.speed + dt * (force - setpoint)) / (mass + dt * damping);
     Motion { travel: motion.travel + dt * speed, speed }
 }

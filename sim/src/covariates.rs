@@ -1,7 +1,7 @@
-//! What each place of the surface went through in a pass: time, pressure and way under the tool.
+//! Covariates of each point of the surface in a pass: contact time, pressure, sliding distance.
 //!
-//! Sums over the lattice lines along z of a rectangle, one value for each line, added up step by step from the squares in
-//! contact. Sheets that face another way are not counted.
+//! They are sums at the lattice lines along z of a rectangle, accumulated step by step from the cells in contact.
+//! Height fields that face another way are not counted.
 
 use std::collections::HashMap;
 
@@ -10,43 +10,43 @@ use sdf_bake::PixelGrid;
 
 use crate::sheet::{Facing, Sheet};
 
-/// A square of the surface in one step.
+/// A cell of the surface in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
-    /// Line of the sheet.
+    /// Column index in the height field.
     pub line: usize,
-    /// Mean share of the square that was in contact.
+    /// Mean share of the cell that was in contact.
     pub share: f64,
-    /// Mean pressure over the square [Pa].
+    /// Mean pressure over the cell [Pa].
     pub load: f64,
     /// Recession along the surface's normal [m].
     pub recession: f64,
-    /// Dose taken up [1].
+    /// Dose gained [1].
     pub dose: f64,
 }
 
-/// Sums over a pass, or over several, at the lattice lines of a rectangle; row-major, x fastest, as [`PixelGrid`].
+/// Sums over one or several passes at the lattice lines of a rectangle; row-major, x fastest, as in [`PixelGrid`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariates {
-    /// Where the lines meet the plane z = 0.
+    /// Points at which the lines meet the plane z = 0.
     pub pixels: PixelGrid,
-    /// First line [voxels].
+    /// Lattice index of the first line [voxels].
     first: [i32; 2],
     /// `∫ p dt` [Pa s].
     pub pressure_time: Vec<f64>,
-    /// Greatest mean pressure of a step over the place's square while in contact [Pa].
+    /// Highest mean pressure of a step over the cell while in contact [Pa].
     pub peak_pressure: Vec<f64>,
     /// Time in contact [s].
     pub contact_time: Vec<f64>,
-    /// Way of the tool's surface over the place while in contact [m].
+    /// Sliding distance of the tool's surface while in contact [m].
     pub slip_way: Vec<f64>,
     /// Depth removed along the surface's normal [m].
     pub removed: Vec<f64>,
-    /// Dose taken up [1].
+    /// Dose gained [1].
     pub dose: Vec<f64>,
-    /// When the tool first touched the place, since the trial began [s]; NaN where it never did.
+    /// Time of first contact since the trial began [s]; NaN without contact.
     pub first_contact: Vec<f64>,
-    /// Each state of the workpiece's cells as the pass left it [SI], in the order of the model; NaN where the tool never was.
+    /// Each state of the workpiece's cells at the end of the pass [SI], in the order of the model; NaN without contact.
     pub states: Vec<Vec<f64>>,
 }
 
@@ -54,7 +54,7 @@ impl Covariates {
     /// Zeros at all lattice lines of a field with this `voxel` [m] that cover a map.
     pub fn over(map: &PixelGrid, voxel: f64) -> Self {
         let last = map.position(map.nx.max(1) - 1, map.ny.max(1) - 1);
-        // A line that misses a border pixel by rounding is that pixel's.
+        // A line that misses a border pixel by rounding belongs to that pixel.
         let low = (map.origin / voxel + 1e-6).floor();
         let high = (last / voxel - 1e-6).ceil();
         let first = [low.x as i32, low.y as i32];
@@ -74,7 +74,7 @@ impl Covariates {
         }
     }
 
-    /// Keeps the states of the workpiece's cells, `count` of them at each lattice line that the tool touched.
+    /// Stores the states of the workpiece's cells, `count` of them at each lattice line that the tool touched.
     pub(crate) fn keep_states(&mut self, cells: &HashMap<(i32, i32), Vec<f64>>, count: usize) {
         self.states = vec![vec![f64::NAN; self.pixels.len()]; count];
         for (&place, values) in cells {
@@ -83,14 +83,15 @@ impl Covariates {
         }
     }
 
-    /// Number of the line at a place of the lattice [voxels]; `None` beyond the lines.
+    /// Index of the line at lattice indices (i, j) [voxels]; `None` outside the rectangle.
     fn line(&self, (i, j): (i32, i32)) -> Option<usize> {
         let (column, row) = (i64::from(i) - i64::from(self.first[0]), i64::from(j) - i64::from(self.first[1]));
         let (nx, ny) = (self.pixels.nx as i64, self.pixels.ny as i64);
         (column >= 0 && row >= 0 && column < nx && row < ny).then_some((row * nx + column) as usize)
     }
 
-    /// Adds a step of `dt` [s] that began at `time` [s]. `slip_speed` is that of a point in the field's frame [m/s].
+    /// Adds a step of `dt` [s] that began at `time` [s]. `slip_speed` maps a point in the field's frame to the slip
+    /// speed [m/s].
     pub(crate) fn add(
         &mut self,
         sheet: &Sheet,
@@ -116,12 +117,12 @@ impl Covariates {
         }
     }
 
-    /// Mean pressure while in contact [Pa], weighted with the time of exposure; NaN where there was none.
+    /// Mean pressure while in contact [Pa], weighted with the contact time; NaN without contact.
     pub fn mean_pressure(&self) -> Vec<f64> {
         self.per_contact_time(&self.pressure_time)
     }
 
-    /// Mean slip speed while in contact [m/s]; NaN where there was none.
+    /// Mean slip speed while in contact [m/s]; NaN without contact.
     pub fn mean_slip_speed(&self) -> Vec<f64> {
         self.per_contact_time(&self.slip_way)
     }
@@ -131,8 +132,8 @@ impl Covariates {
         sums.iter().zip(&self.contact_time).map(mean).collect()
     }
 
-    /// Values at the lines, such as a sum or a mean of this map, at the pixels of another map: bilinear between lines,
-    /// the value itself where a pixel is on a line, NaN beyond the lines.
+    /// Resamples values at the lines, such as a sum or a mean of this map, at the pixels of another map. Bilinear
+    /// between lines, the value itself where a pixel is on a line, NaN beyond the lines.
     pub fn at(&self, map: &PixelGrid, values: &[f64]) -> Vec<f64> {
         let value = |n: usize| self.interpolate(values, map.position(n % map.nx, n / map.nx));
         (0..map.nx * map.ny).map(value).collect()
@@ -140,7 +141,7 @@ impl Covariates {
 
     fn interpolate(&self, values: &[f64], place: DVec2) -> f64 {
         let at = (place - self.pixels.origin) / self.pixels.pitch;
-        // Pixels that are meant to be on a line are so within rounding.
+        // Pixels meant to be on a line are so only within rounding.
         let on_line = at.round();
         let at = DVec2::select((at - on_line).abs().cmplt(DVec2::splat(1e-6)), on_line, at);
         let (corner, fraction) = (at.floor(), at - at.floor());

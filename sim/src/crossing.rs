@@ -1,10 +1,10 @@
-//! Where a lattice line crosses the surface: the one root that contact, channels and profilometer share.
+//! Root of φ on a lattice line where it crosses the surface; shared by contact, channels and profilometer.
 
 use shaders::constants::WITHIN_BAND;
 
-/// Way [voxels, 0 to 1] to the zero of φ on a lattice line, from `values` [m] at -1, 0, 1 and 2 voxels of which the middle
-/// two differ in sign: on the cubic through the four, fourth order where φ is smooth; on the chord where the `band` [m]
-/// ends among them.
+/// Position of the zero of φ on a lattice line [voxels, 0 to 1], from `values` [m] at -1, 0, 1 and 2 voxels; the middle
+/// two differ in sign. It is the root of the cubic through all four, fourth order where φ is smooth. Where one of them
+/// is beyond the `band` [m] it is the root of the chord.
 pub(crate) fn way_to_zero(values: [f64; 4], band: f64) -> f64 {
     if values.iter().all(|value| value.abs() < WITHIN_BAND * band) { cubic_root(values) } else { linear_root(values) }
 }
@@ -13,7 +13,7 @@ fn linear_root([_, a, b, _]: [f64; 4]) -> f64 {
     a / (a - b)
 }
 
-/// Root in 0 to 1 of the cubic through values at -1, 0, 1 and 2, of which the middle two differ in sign.
+/// Root in 0 to 1 of the cubic through values at -1, 0, 1 and 2; the middle two differ in sign.
 fn cubic_root(values: [f64; 4]) -> f64 {
     let [before, a, b, after] = values;
     // Newton's divided differences about 0 and 1.

@@ -1,4 +1,4 @@
-//! How far the contact reaches in the tool's frame, and the sheet that holds it.
+//! Extent of the contact in the tool's frame, and the height field's window that contains it.
 
 use glam::DVec3;
 pub(crate) use shaders::constants::MARGIN;
@@ -17,13 +17,13 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// What a tool can touch that sinks in by `sink` [m].
+    /// Largest contact of a tool that sinks in by `sink` [m].
     pub fn of(tool: &Tool, sink: f64) -> Self {
         let (x, y) = tool.half_footprint(sink);
         Self { x: (-x, x), y: (-y, y) }
     }
 
-    /// Grows by a quarter and two pitches, to the whole tool at most; `None` if it was that large already.
+    /// The extent grown by a quarter and two pitches, to the whole tool at most; `None` if it was that large already.
     pub fn grown(&self, tool: &Tool, pitch: f64) -> Option<Self> {
         let (x, y) = tool.half_footprint(f64::INFINITY);
         let whole = |(low, high): (f64, f64), most: f64| low <= -most && high >= most;
@@ -35,7 +35,7 @@ impl Extent {
         (!covered).then(|| Self { x: grow(self.x, x), y: grow(self.y, y) })
     }
 
-    /// What holds another, too.
+    /// Union of two extents.
     pub(crate) fn joined(&self, other: &Self) -> Self {
         let join = |one: (f64, f64), other: (f64, f64)| (one.0.min(other.0), one.1.max(other.1));
         Self { x: join(self.x, other.x), y: join(self.y, other.y) }
@@ -48,7 +48,7 @@ impl Extent {
             .map(|(x, y)| facing.sheet(bottom + pose.frame.x * x + pose.frame.y * y))
     }
 
-    /// The window that holds the contact at all of `poses`, and its lowest corner [m up].
+    /// The window that contains the contact at all `poses`, and its lowest corner [m up].
     pub fn window(&self, tool: &Tool, poses: &[Pose], facing: Facing, pitch: f64) -> (Window, f64) {
         let corners: Vec<DVec3> = poses.iter().flat_map(|pose| self.corners(tool, pose, facing)).collect();
         let lowest = corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min);

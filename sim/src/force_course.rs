@@ -1,21 +1,21 @@
-//! The force that a controller holds where it changes along a pass.
+//! A controller's setpoint that changes along a pass.
 
 use std::ops::Range;
 
-/// A force along a pass, straight between its values and held at the ends.
+/// Setpoint along a pass: linear between its values and constant beyond the ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCourse {
-    /// Times since the pass began [s], rising.
+    /// Times since the pass began [s], increasing.
     times: Vec<f64>,
     /// Force at each [N].
     forces: Vec<f64>,
-    /// Integral from the first time to each [N s].
+    /// Integral of the force from the first time to each [N s].
     impulses: Vec<f64>,
 }
 
 impl ForceCourse {
-    /// A course through forces [N] at times [s]; none is below `least` [N], so that a tool never lets go of the part
-    /// because a sensor reads a little less than nothing.
+    /// A setpoint through forces [N] at times [s]. Values are raised to at least `least` [N], so that a tool never
+    /// loses contact because a sensor reads slightly below zero.
     ///
     /// # Panics
     /// Without values.
@@ -44,13 +44,13 @@ impl ForceCourse {
         }
     }
 
-    /// Mean force over some times [N]; the force then where they are one.
+    /// Mean force over an interval [N]; the force at its start if it is empty.
     pub fn mean(&self, times: Range<f64>) -> f64 {
         let length = times.end - times.start;
         if length > 0.0 { (self.impulse(times.end) - self.impulse(times.start)) / length } else { self.at(times.start) }
     }
 
-    /// Integral from the first time to another [N s].
+    /// Integral of the force from the first time to another [N s].
     fn impulse(&self, time: f64) -> f64 {
         let known = self.times.partition_point(|own| *own <= time).saturating_sub(1);
         self.impulses[known] + 0.5 * (self.forces[known] + self.at(time)) * (time - self.times[known])

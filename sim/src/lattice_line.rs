@@ -1,4 +1,4 @@
-//! The signed distance along lattice lines, and where they leave the material.
+//! The signed distance along lattice lines, and the heights at which they leave the material.
 
 use glam::IVec3;
 use sdf_bake::BrickGrid;
@@ -8,31 +8,31 @@ use shaders::constants::CLIMB;
 use crate::crossing::way_to_zero;
 use crate::sheet::{Facing, Window};
 
-/// Steps between neighbours along x, y and z among a brick's values.
+/// Index steps between neighbours along x, y and z among a brick's values.
 const VALUE_STEPS: [i32; 3] = [64, 8, 1];
 
-/// The lattice lines of a window of a field, along one axis, with the slots of the bricks that they pass.
+/// The lattice lines of a window of a field along one axis, with the slots of the bricks that they cross.
 #[derive(Clone, Debug)]
 pub(crate) struct Lattice {
     facing: Facing,
-    /// Lowest brick across the lines, and bricks along the second of the two axes.
+    /// Lowest brick index across the lines, and number of bricks along the second of the two axes.
     low: [i32; 2],
     across: i32,
-    /// First brick along the lines, and how many there are.
+    /// First brick along the lines, and their number.
     first: i32,
     bricks: u32,
     /// Shape `[bricks across, bricks across, bricks along]`.
     slots: Vec<u32>,
-    /// Step from voxel to voxel along the lines among a brick's values.
+    /// Index step from voxel to voxel along the lines among a brick's values.
     value_step: u32,
 }
 
-/// One line: where its voxels lie in the field.
+/// A lattice line: indices of its voxels in the field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// Place of its first brick's slot.
+    /// Index of its first brick's slot.
     brick: u32,
-    /// Place of its first voxel among a brick's values.
+    /// Index of its first voxel among a brick's values.
     value: u32,
 }
 
@@ -55,26 +55,26 @@ impl Lattice {
         Self { facing, low, across, first, bricks: bricks as u32, slots, value_step }
     }
 
-    /// The line at lattice place (i, j) of the window.
+    /// The line at lattice indices (i, j) of the window.
     pub(crate) fn line(&self, (i, j): (i32, i32)) -> Line {
         let (a, b) = self.facing.across();
         let value = ((i & 7) * VALUE_STEPS[a] + (j & 7) * VALUE_STEPS[b]) as u32;
         Line { brick: self.place_of([i >> 3, j >> 3]), value }
     }
 
-    /// Takes note of the slot that a brick of the window was given.
+    /// Records the slot that a new brick of the window was given.
     pub(crate) fn opened(&mut self, brick: IVec3, slot: u32) {
         let (a, b) = self.facing.across();
         let place = self.place_of([brick[a], brick[b]]) + (brick[self.facing.axis()] - self.first) as u32;
         self.slots[place as usize] = slot;
     }
 
-    /// Place of the first slot of a line's bricks.
+    /// Index of the first slot of a line's bricks.
     fn place_of(&self, [i, j]: [i32; 2]) -> u32 {
         ((i - self.low[0]) * self.across + j - self.low[1]) as u32 * self.bricks
     }
 
-    /// Slot of the brick at `k` voxels up a line, and the voxel's place among its values.
+    /// Slot of the brick at voxel `k` of a line, and the voxel's index among its values.
     #[inline]
     fn slot(&self, line: Line, k: i32) -> (u32, usize) {
         let along = self.facing.up() * k;
@@ -86,7 +86,7 @@ impl Lattice {
         (self.slots[(line.brick + brick) as usize], value as usize)
     }
 
-    /// Position in the pool of the voxel at `k` up a line, or `None` where no brick is.
+    /// Index in the pool of voxel `k` of a line, or `None` where there is no brick.
     #[inline]
     pub(crate) fn place(&self, line: Line, k: i32) -> Option<usize> {
         match self.slot(line, k) {
@@ -95,7 +95,7 @@ impl Lattice {
         }
     }
 
-    /// φ [m] at `k` voxels up a line.
+    /// φ [m] at voxel `k` of a line.
     #[inline]
     pub(crate) fn phi(&self, grid: &BrickGrid, line: Line, k: i32) -> f32 {
         match self.slot(line, k) {
@@ -105,8 +105,8 @@ impl Lattice {
         }
     }
 
-    /// Height [voxels] at which a line leaves the material, met first from voxel `from`: upwards out of it, or downwards
-    /// to voxel `least`.
+    /// Height [voxels] at which a line leaves the material, the first found from voxel `from`: upwards if it starts
+    /// inside, otherwise downwards to voxel `least`.
     pub(crate) fn surface(&self, grid: &BrickGrid, line: Line, from: i32, least: i32) -> Option<f64> {
         let voxel = grid.voxel as f32;
         let stride = |phi: f32| ((phi.abs() / voxel) as i32).max(1);
@@ -119,7 +119,7 @@ impl Lattice {
             }
             phi = self.phi(grid, line, k);
         }
-        // φ is a distance, so no crossing lies within φ of k.
+        // |φ| is a distance, so no crossing lies within |φ| of k.
         loop {
             if k < least {
                 return None;
@@ -133,7 +133,7 @@ impl Lattice {
         }
     }
 
-    /// Root of φ between a voxel in the material and one above it [voxels].
+    /// Root of φ between a voxel inside the material and one above it [voxels].
     fn crossing(&self, grid: &BrickGrid, line: Line, mut below: i32, above: i32) -> f64 {
         while below + 1 < above && self.phi(grid, line, below + 1) < 0.0 {
             below += 1;

@@ -1,8 +1,8 @@
-//! Contact and removal on live signed distance bricks.
+//! Contact and removal on signed distance fields stored in bricks.
 //!
-//! A part is a [`sdf_bake::BrickGrid`], negative inside. A rigid [`robot::Tool`] follows a [`Path`] and is lifted
-//! or lowered along its approach axis until its contact force is the setpoint; under the contact pressure
-//! the surface recedes. All is in SI units, in the part's right-handed frame with z up.
+//! A part is a [`sdf_bake::BrickGrid`], negative inside. A rigid [`robot::Tool`] follows a [`Path`]. A controller moves
+//! it along its approach axis until the contact force equals the setpoint; under the contact pressure the surface
+//! recedes. All is in SI units, in the part's right-handed frame with z up.
 //!
 //! ```
 //! use glam::DVec3;
@@ -28,8 +28,8 @@
 //! assert!((record.removed_volume / expected - 1.0).abs() < 0.01);
 //! ```
 //!
-//! This crate never opens a file, never prints, and holds no state between calls. It computes the same
-//! bytes for any number of threads.
+//! This crate opens no file, prints nothing and keeps no state between calls. Its results do not depend on the number
+//! of threads, to the last byte.
 
 mod clipped_cell;
 pub mod clock;

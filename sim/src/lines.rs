@@ -1,36 +1,36 @@
-//! Lines of a sheet in order, with the runs of those that follow each other.
+//! Sorted column indices of a height field, and the runs of consecutive ones.
 
 use std::ops::Range;
 
-/// Lines in order. Values of each are kept as lanes, in the same order.
+/// Sorted column indices. Per-column values are stored as lanes, in the same order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lines {
     list: Vec<u32>,
     runs: Vec<Run>,
 }
 
-/// Lines that follow each other, as many as lanes.
+/// A run of consecutive columns, and as many lanes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// The lines.
+    /// The column indices.
     pub lines: Range<usize>,
-    /// Their lanes.
+    /// The lane indices.
     pub lanes: Range<usize>,
 }
 
 impl Lines {
-    /// Forgets all.
+    /// Removes all.
     pub fn clear(&mut self) {
         self.list.clear();
         self.runs.clear();
     }
 
-    /// Adds a line beyond the last one.
+    /// Appends a column; its index must be higher than the last.
     pub fn push(&mut self, line: usize) {
         self.extend(line..line + 1);
     }
 
-    /// Adds lines beyond the last one.
+    /// Appends columns; their indices must be higher than the last.
     pub fn extend(&mut self, lines: Range<usize>) {
         if lines.is_empty() {
             return;
@@ -44,7 +44,7 @@ impl Lines {
         }
     }
 
-    /// Takes the lines that are in either of two lists and that `keeps` wants.
+    /// Replaces the content with the union of two lists, restricted to the columns that `keeps` accepts.
     pub fn merge(&mut self, a: &Self, b: &Self, keeps: impl Fn(usize) -> bool) {
         self.clear();
         let (a, b) = (a.list(), b.list());
@@ -63,22 +63,22 @@ impl Lines {
         a[i..].iter().chain(&b[j..]).for_each(|line| add(*line));
     }
 
-    /// The lines, one by one.
+    /// The column indices, one by one.
     pub fn list(&self) -> &[u32] {
         &self.list
     }
 
-    /// The lines, run by run.
+    /// The runs of consecutive columns.
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
-    /// How many there are.
+    /// Number of columns.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no columns.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

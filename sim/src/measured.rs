@@ -1,26 +1,26 @@
-//! Quantities that were measured along a pass, for formulas: a state of the tool of the same name that never moves of its
-//! own follows them, and so does the logged temperature.
+//! Quantities measured along a pass, for formulas. A state of the tool with the same name and no dynamics of its own
+//! follows them; so does the logged temperature.
 
 use effects::{CompiledModel, Dimension, States, StepValues, Variable};
 
 /// Name of the quantity that [`Variable::TemperatureLogged`] reads.
 const TEMPERATURE: &str = "temperature";
 
-/// A quantity along a pass.
+/// A measured quantity along a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// Its name in formulas.
     pub name: String,
     /// Its unit.
     pub dimension: Dimension,
-    /// Times since the pass began [s], rising.
+    /// Times since the pass began [s], increasing.
     pub times: Vec<f64>,
     /// Its value at each [SI].
     pub values: Vec<f64>,
 }
 
 impl Measured {
-    /// Its value at a time [s], straight between the values and held at the ends; NaN where it has none.
+    /// Its value at a time [s], linear between the values and constant beyond the ends; NaN without values.
     pub fn at(&self, time: f64) -> f64 {
         let after = self.times.partition_point(|at| *at <= time);
         let value = |at: usize| self.values.get(at).copied();
@@ -33,16 +33,16 @@ impl Measured {
         }
     }
 
-    /// True if it has one value all along.
+    /// True if its value is constant.
     pub fn is_constant(&self) -> bool {
         self.values.windows(2).all(|pair| pair[0] == pair[1])
     }
 }
 
-/// What a model reads of the quantities along a pass.
+/// The measured quantities that a model reads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Readings<'a> {
-    /// States by their place among those of the tool.
+    /// States by their index among those of the tool.
     states: Vec<(usize, &'a Measured)>,
     temperature: Option<&'a Measured>,
 }
@@ -57,21 +57,21 @@ impl<'a> Readings<'a> {
         Self { states: model.tool_states().enumerate().filter_map(state).collect(), temperature }
     }
 
-    /// Sets states of the tool to what was measured at a time since the pass began [s].
+    /// Sets states of the tool to the measured values at a time since the pass began [s].
     pub(crate) fn set_states(&self, model: &CompiledModel, time: f64, states: &mut States) {
         for (place, measured) in &self.states {
             states.measure(model, *place, measured.at(time));
         }
     }
 
-    /// Sets what formulas may read besides to what was measured at a time since the pass began [s].
+    /// Sets the step's other variables to the measured values at a time since the pass began [s].
     pub(crate) fn set_step(&self, time: f64, step: &mut StepValues) {
         if let Some(temperature) = self.temperature {
             step.set(Variable::TemperatureLogged, temperature.at(time));
         }
     }
 
-    /// The first quantity that changes in the course of the pass.
+    /// The first quantity that changes during the pass.
     pub(crate) fn changing(&self) -> Option<&'a Measured> {
         let states = self.states.iter().map(|(_, measured)| *measured);
         states.chain(self.temperature).find(|measured| !measured.is_constant())

@@ -1,4 +1,4 @@
-//! The planned path of a pass: where the tool's lowest point should be, and when.
+//! The planned path of a pass: nominal positions of the tool's lowest point over time.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ impl PathSample {
         Pose { centre: self.position + frame.z * tool.drop(), approach: self.approach, frame }
     }
 
-    /// A sample whose tool has its reference point at `centre` [m].
+    /// A sample of a tool with its reference point at `centre` [m].
     pub fn from_centre(time: f64, centre: DVec3, (approach, axis): (DVec3, DVec3), tool: &Tool) -> Self {
         let sample = Self { time, position: centre, approach, axis };
         let frame = sample.pose(tool).frame;
@@ -46,16 +46,16 @@ impl PathSample {
     }
 }
 
-/// Why a curve cannot be followed.
+/// Error of a curve that cannot be followed.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PathError {
-    /// Too short.
+    /// Too few points.
     #[error("the path has {found} distinct points, at least 2 are needed")]
     TooFewPoints {
-        /// Points with a length between them.
+        /// Number of distinct points.
         found: usize,
     },
-    /// Not a speed.
+    /// A feed that is not positive and finite.
     #[error("the feed is {found} m/s, it must be positive and finite")]
     BadFeed {
         /// Feed given [m/s].
@@ -75,7 +75,7 @@ pub enum PathError {
     },
 }
 
-/// Samples in order of time, starting at 0; between them the path is straight.
+/// Samples in order of time, starting at 0; the path is linear between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     samples: Vec<PathSample>,
@@ -100,7 +100,7 @@ impl Path {
     /// Follows a curve at constant `feed` [m/s] with the tool's axis across the curve and its normal.
     ///
     /// # Errors
-    /// A feed that is not a speed, fewer than two distinct points, or a normal along the curve.
+    /// A feed that is not positive and finite, fewer than two distinct points, or a normal along the curve.
     pub fn along(curve: &[CurvePoint], feed: f64) -> Result<Self, PathError> {
         if !(feed > 0.0 && feed.is_finite()) {
             return Err(PathError::BadFeed { found: feed });
@@ -121,7 +121,7 @@ impl Path {
         Self::from_samples(samples)
     }
 
-    /// The same way in the other direction, at the same speeds; the tool is not turned round.
+    /// The same path in reverse at the same speeds; the tool is not turned round.
     pub fn reversed(&self) -> Self {
         let end = self.duration();
         let turn = |sample: &PathSample| PathSample { time: end - sample.time, ..*sample };
@@ -138,7 +138,7 @@ impl Path {
         self.samples.last().map_or(0.0, |sample| sample.time)
     }
 
-    /// Length of the way [m].
+    /// Length of the path [m].
     pub fn length(&self) -> f64 {
         self.samples.windows(2).map(|pair| (pair[1].position - pair[0].position).length()).sum()
     }
@@ -148,23 +148,23 @@ impl Path {
         self.piece_velocity(self.piece(time))
     }
 
-    /// Number of straight pieces, each between two samples.
+    /// Number of straight segments, each between two samples.
     pub(crate) fn pieces(&self) -> usize {
         self.samples.len() - 1
     }
 
-    /// The piece at a time; a sample's own time belongs to the piece after it.
+    /// Index of the segment at a time; a sample's own time belongs to the segment after it.
     pub(crate) fn piece(&self, time: f64) -> usize {
         self.samples.partition_point(|sample| sample.time <= time).clamp(1, self.pieces()) - 1
     }
 
-    /// Velocity on a piece [m/s].
+    /// Velocity on a segment [m/s].
     pub(crate) fn piece_velocity(&self, piece: usize) -> DVec3 {
         let (a, b) = (&self.samples[piece], &self.samples[piece + 1]);
         (b.position - a.position) / (b.time - a.time)
     }
 
-    /// Whether the velocity on a piece, and for a `span` [s] after it, stays within a `share` of what it is there.
+    /// Returns true if the velocity stays within a `share` of that on a segment, up to a `span` [s] after it.
     pub(crate) fn is_steady(&self, piece: usize, share: f64, span: f64) -> bool {
         let (velocity, end) = (self.piece_velocity(piece), self.samples[piece + 1].time + span);
         (piece + 1..self.pieces())
@@ -172,7 +172,7 @@ impl Path {
             .all(|next| (self.piece_velocity(next) - velocity).length() <= share * velocity.length())
     }
 
-    /// The path at a time [s], held at its ends.
+    /// The path at a time [s], constant beyond its ends.
     pub fn at(&self, time: f64) -> PathSample {
         let piece = self.piece(time);
         let (a, b) = (&self.samples[piece], &self.samples[piece + 1]);
@@ -214,7 +214,7 @@ mod tests {
         let sample = |time: f64| PathSample { time, position: place(time), approach: DVec3::Z, axis: DVec3::Y };
         let path = Path::from_samples((0..=20).map(|k| sample(0.1 * f64::from(k))).collect()).unwrap();
         let steady: Vec<bool> = (0..path.pieces()).map(|piece| path.is_steady(piece, 0.05, 0.25)).collect();
-        // The corner is at the end of piece 9, 0.2 s after that of piece 7.
+        // The corner is at the end of segment 9, 0.2 s after that of segment 7.
         let expected: Vec<bool> = (0..20).map(|piece| !(7..=9).contains(&piece)).collect();
         assert_eq!(steady, expected);
     }

@@ -1,4 +1,4 @@
-//! Weights of an exponential integrator's step (Hochbruck and Ostermann 2010, eq. 2.11): φ for the step, ψ for its mean.
+//! Weights of an exponential integrator (Hochbruck and Ostermann 2010, eq. 2.11): φ at the step's end, ψ for its mean.
 
 /// Weights of a step with `x = λ dt`.
 pub(crate) struct Decay {
@@ -15,14 +15,15 @@ pub(crate) struct Decay {
 }
 
 impl Decay {
-    /// Recession over a step per what a depth exceeds its straight line by in the middle, as a parabola over time.
+    /// Recession over a step per bulge. The bulge is the excess of the depth over its linear course in the middle of
+    /// the step, for a parabola over time.
     pub(crate) fn bulge_gain(&self) -> f64 {
         4.0 * self.x * (self.phi2 - 2.0 * self.psi2)
     }
 
     pub(crate) fn new(x: f64) -> Self {
         if x < 1e-2 {
-            // Series, where the closed forms cancel.
+            // Series, because the closed forms cancel.
             return Self {
                 x,
                 phi1: 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0)),

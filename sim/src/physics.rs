@@ -1,4 +1,4 @@
-//! The model at work in a contact: its hooks run over the squares in contact, one lane each.
+//! Evaluation of a model in a contact: its hooks run over the cells in contact, one lane each.
 
 use shaders::constants::HALF_GAUSS;
 use std::collections::HashMap;
@@ -16,48 +16,48 @@ use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, St
 use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
 
-/// Squares of a sheet that formulas run over, one lane each.
+/// Cells of a height field on which formulas are evaluated, one lane each.
 #[derive(Clone, Copy)]
 pub struct InContact<'a> {
-    /// The sheet.
+    /// The height field.
     pub sheet: &'a Sheet,
-    /// Depths and shares of its cells under the tool, where they were measured.
+    /// Their depths and shares under the tool, if measured.
     pub squares: Option<&'a Squares>,
-    /// Lines of the sheet.
+    /// Their column indices.
     pub lines: &'a Lines,
 }
 
-/// A model with the state of its tool, and the values of the step under way.
+/// A model with the states of its tool and the values of the current step.
 pub struct Physics<'a> {
     /// Laws and effects.
     pub model: &'a CompiledModel,
-    /// What the tool remembers.
+    /// States of the tool.
     pub states: &'a mut States,
-    /// Where to sum up the time that a step takes.
+    /// Timer of the phases of a step.
     pub clock: Option<&'a Clock>,
     /// Values of the step.
     pub step: StepValues,
     /// Coating thickness h_c [m].
     pub coating: f64,
-    /// Whether the model's laws may bend.
+    /// True if the model's laws may be nonlinear in the depth.
     may_bend: bool,
-    /// Values of cells by [`Variable`], of those that a hook reads.
+    /// Values of the cells by [`Variable`], for those that a hook reads.
     lanes: Vec<Vec<f64>>,
-    /// Cell variables that some hook reads.
+    /// Cell variables that any hook reads.
     wanted: Vec<Variable>,
-    /// Those of them that decide the balance of forces.
+    /// Those of them that influence the force balance.
     balancing: Vec<Variable>,
     /// The others.
     following: Vec<Variable>,
-    /// Hook of each lane among the tool's cells.
+    /// Fractional index among the tool's cells for each lane.
     tool_cell: Vec<f64>,
-    /// States of the workpiece's cells, by lattice line.
+    /// States of the workpiece's cells by lattice indices.
     cells: HashMap<(i32, i32), Vec<f64>>,
-    /// The same of each lane, by state.
+    /// The same for each lane, by state.
     cell_lanes: Vec<Vec<f64>>,
 }
 
-/// What a model's formulas remember between two stretches of a pass, beside the tool's states.
+/// Memory of a model's formulas between two stretches of a pass, besides the tool's states.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     step: StepValues,
@@ -97,17 +97,17 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// Takes out what goes on in the next stretch of a pass.
+    /// Takes out the memory for the next stretch of a pass.
     pub(crate) fn take_memory(&mut self) -> Memory {
         Memory { step: self.step.clone(), cells: std::mem::take(&mut self.cells) }
     }
 
-    /// Goes on with what the stretch before left.
+    /// Restores the memory of the previous stretch.
     pub(crate) fn take_up(&mut self, Memory { step, cells }: Memory) {
         (self.step, self.cells) = (step, cells);
     }
 
-    /// Tells the formulas of a tool that is held still and pressed on with `setpoint` [N].
+    /// Sets the variables of a tool that is held still and pressed on with `setpoint` [N].
     pub fn hold(&mut self, tool: &Tool, setpoint: f64) {
         let face_area = ToolCells::of(tool).face_areas().iter().sum();
         self.step
@@ -117,7 +117,7 @@ impl<'a> Physics<'a> {
             .set(Variable::ForceSetpoint, setpoint);
     }
 
-    /// Tells the formulas what such a tool has met, in a patch so wide [m] along its y.
+    /// Sets the variables of such a tool after a contact whose patch is `patch_width` [m] wide along the tool's y.
     pub fn has_met(&mut self, contact: &Contact, patch_width: f64) {
         self.step
             .set(Variable::Force, contact.force)
@@ -126,42 +126,42 @@ impl<'a> Physics<'a> {
             .set(Variable::PatchWidth, patch_width);
     }
 
-    /// Counts the time since the last call for a phase.
+    /// Adds the time since the last call to a phase.
     pub(crate) fn lap(&self, phase: Phase) {
         if let Some(clock) = self.clock {
             clock.lap(phase);
         }
     }
 
-    /// Whether the surface recedes.
+    /// True if the surface recedes.
     pub fn grinds(&self) -> bool {
         self.model.process() == Process::Grinding || self.model.has(Hook::Rate)
     }
 
-    /// Whether pressure and recession may be anything but straight lines in the depth.
+    /// True if pressure or recession may be nonlinear in the depth.
     pub fn may_bend(&self) -> bool {
         self.grinds() && self.may_bend
     }
 
-    /// Whether coating is taken off.
+    /// True if coating is removed.
     pub fn sands(&self) -> bool {
         self.model.process() == Process::Sanding
     }
 
-    /// True if the part has to store the removed depth: a hook of the contact or the scanner reads it.
+    /// True if the part has to store the removed depth: a hook of the contact or of the scanner reads it.
     pub(crate) fn keeps_removed(&self) -> bool {
         self.wants(Variable::RemovedDepth) || self.model.needs(Hook::Height).contains(&Variable::RemovedDepth)
     }
 
-    /// Whether a hook reads a variable of the cells.
+    /// True if a hook reads a variable of the cells.
     fn wants(&self, variable: Variable) -> bool {
         self.wanted.contains(&variable)
     }
 
-    /// Offset and tilt of the tool in this step.
+    /// Offset and tilt that effects add to the tool's pose in this step.
     ///
     /// # Errors
-    /// A formula that gives no finite number; so for all hooks.
+    /// A formula that gives no finite number; the same for all hooks.
     pub fn pose_change(&self) -> Result<PoseChange, RunError> {
         if !self.model.has(Hook::Pose) {
             return Ok(PoseChange { offset: [0.0; 3], roll: 0.0, pitch: 0.0 });
@@ -169,7 +169,7 @@ impl<'a> Physics<'a> {
         self.model.pose(&self.step, self.states)
     }
 
-    /// Force that the controller believes [N] when the true one is `force`.
+    /// Force reading of the controller [N] for a true `force`.
     pub fn force_reading(&mut self, force: f64) -> Result<f64, RunError> {
         if !self.model.has(Hook::Force) {
             return Ok(force);
@@ -178,8 +178,8 @@ impl<'a> Physics<'a> {
         self.model.force_reading(&self.step, self.states)
     }
 
-    /// How much further away the tool's surface is than its shape says [m], for each line of a region and of those around
-    /// it; empty if no effect changes the shape.
+    /// Computes the distance that effects add between tool and workpiece [m], one value for each column of a region and
+    /// around it; empty if no effect changes the shape.
     pub fn gap(&mut self, place: &Placement, ground: &Ground, out: &mut Vec<f64>) -> Result<(), RunError> {
         out.clear();
         if !self.model.has(Hook::Shape) {
@@ -193,7 +193,7 @@ impl<'a> Physics<'a> {
         self.run(Hook::Shape, &[], out)
     }
 
-    /// Takes up what decides the balance of forces on the squares under a tool.
+    /// Gathers the variables that influence the force balance, for the cells under a tool.
     pub fn place(&mut self, place: &Placement, at: &InContact) {
         let balancing = std::mem::take(&mut self.balancing);
         self.fill(&balancing, place, at);
@@ -215,14 +215,14 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// Takes up what else the hooks read, once the forces are in balance.
+    /// Gathers the other variables that hooks read, once the forces are balanced.
     pub fn place_rest(&mut self, place: &Placement, at: &InContact) {
         let following = std::mem::take(&mut self.following);
         self.fill(&following, place, at);
         self.following = following;
     }
 
-    /// Fills the lanes of some variables.
+    /// Fills the lanes of the given variables.
     fn fill(&mut self, variables: &[Variable], place: &Placement, at: &InContact) {
         let InContact { sheet, squares, lines } = *at;
         let motion = self.motion();
@@ -260,7 +260,7 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// Moves the states of the workpiece's cells in contact on by `dt` [s] in which they had certain `means`.
+    /// Advances the states of the workpiece's cells in contact by `dt` [s], with the given `means` of their variables.
     ///
     /// # Errors
     /// A formula that gives no finite number.
@@ -286,7 +286,7 @@ impl<'a> Physics<'a> {
         Ok(())
     }
 
-    /// Hands over the states of the workpiece's cells.
+    /// Writes the states of the workpiece's cells into the covariates.
     pub(crate) fn hand_over_states(&self, covariates: &mut Covariates) {
         covariates.keep_states(&self.cells, self.cell_lanes.len());
     }
@@ -297,7 +297,7 @@ impl<'a> Physics<'a> {
         (self.step.get(Variable::SpindleSpeed), feed * self.step.get(Variable::FeedSpeed))
     }
 
-    /// Slip speed [m/s] at a point of the tool's frame [m].
+    /// Slip speed [m/s] at a point in the tool's frame [m].
     pub fn slip_speed(&self, tool: &Tool, at: DVec3) -> f64 {
         let (spindle, feed) = self.motion();
         tool.slip_speed(at, spindle, feed)
@@ -344,8 +344,8 @@ impl<'a> Physics<'a> {
     }
 }
 
-/// Slip speeds [m/s] at squares; of a tool that sweeps over them, the mean over the time in which each is under it, weighted
-/// with its depth.
+/// Slip speeds [m/s] at cells. For a tool that sweeps over them, the mean over the time in which it is over the cell,
+/// weighted with the depth.
 #[inline(always)]
 fn slip_speeds(
     (tool, frame): (&Tool, &SheetFrame),
@@ -366,7 +366,7 @@ fn slip_speeds(
                     let slip_speed = |time: f64| tool.slip_speed(at - *way * time, spindle, feed);
                     let apart = HALF_GAUSS * (1.0 - 2.0 * lag.abs());
                     let sinks = sinking * apart * share;
-                    // A square that is dry for a part of the time counts where it is deepest.
+                    // A cell in contact for only a part of the time counts where it is deepest.
                     let deeper = sinks.max(-depth).min(*depth) / depth.max(f64::MIN_POSITIVE);
                     *speed =
                         0.5 * ((1.0 - deeper) * slip_speed(lag - apart) + (1.0 + deeper) * slip_speed(lag + apart));

@@ -1,4 +1,4 @@
-//! Where a tool stands.
+//! Poses of a tool.
 
 use glam::{DMat3, DVec3};
 
@@ -8,22 +8,22 @@ use robot::Tool;
 /// Axes of a tool in the workpiece's frame, orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// y × z: along the feed, or against it.
+    /// y × z: along the feed or opposite to it.
     pub x: DVec3,
-    /// Across the feed; a wheel turns about it.
+    /// Across the feed; the axis of a wheel.
     pub y: DVec3,
-    /// Away from the part; a pad turns about it.
+    /// Away from the part; the axis of a pad.
     pub z: DVec3,
 }
 
 impl Frame {
-    /// A wheel's frame: y is its axis, z is the approach axis seen across it.
+    /// A wheel's frame: y is its axis, z is the approach axis made orthogonal to it.
     pub fn about(axis: DVec3, approach: DVec3) -> Self {
         let z = approach.reject_from_normalized(axis).normalize();
         Self { x: axis.cross(z), y: axis, z }
     }
 
-    /// A pad's frame: z is its face's normal, x as near to `forward` as that allows.
+    /// A pad's frame: z is its face's normal, x is `forward` made orthogonal to it.
     pub fn facing(normal: DVec3, forward: DVec3) -> Self {
         let along = forward.reject_from_normalized(normal);
         let x = if along.length() > 1e-9 { along.normalize() } else { normal.any_orthonormal_vector() };
@@ -39,13 +39,13 @@ impl Frame {
         Self { x: turn.x_axis, y: turn.y_axis, z: turn.z_axis }
     }
 
-    /// The axes as columns: turns the tool's coordinates into the workpiece's.
+    /// The axes as columns: transforms from the tool's to the workpiece's coordinates.
     pub fn matrix(&self) -> DMat3 {
         DMat3::from_cols(self.x, self.y, self.z)
     }
 }
 
-/// Where a tool stands in the workpiece's frame.
+/// Pose of a tool in the workpiece's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// The tool's reference point [m].
@@ -69,26 +69,26 @@ impl Pose {
         Self { centre: self.centre + self.frame.matrix() * DVec3::new(x, y, z), frame, ..*self }
     }
 
-    /// A point of the workpiece's frame [m] in the tool's.
+    /// Transforms a point of the workpiece's frame [m] into the tool's.
     pub fn local(&self, point: DVec3) -> DVec3 {
         let from = point - self.centre;
         DVec3::new(from.dot(self.frame.x), from.dot(self.frame.y), from.dot(self.frame.z))
     }
 }
 
-/// A tool at a place, or sweeping about it.
+/// A tool at a pose, at rest or sweeping about it.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'a> {
     /// The tool.
     pub tool: &'a Tool,
-    /// Where it is.
+    /// Its pose.
     pub pose: Pose,
-    /// Its way [m], half of it before and half after the pose; zero where it stands.
+    /// Its sweep [m], half before and half after the pose; zero at rest.
     pub sweep: DVec3,
 }
 
 impl<'a> Placement<'a> {
-    /// A tool that stands.
+    /// A tool at rest.
     pub fn still(tool: &'a Tool, pose: Pose) -> Self {
         Self { tool, pose, sweep: DVec3::ZERO }
     }

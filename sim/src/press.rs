@@ -15,18 +15,18 @@ use crate::surface::way_to_surface;
 use effects::RunError;
 use robot::Tool;
 
-/// Relative difference between force and setpoint that is good enough.
+/// Relative tolerance of the force.
 const FORCE_TOLERANCE: f64 = 1e-9;
-/// Surface sought below the tool beyond its reach [voxels].
+/// Distance beyond the tool's reach in which the surface is searched for [voxels].
 const BELOW: f64 = 4.0;
 
-/// First guess of how deep a tool is pressed [m].
+/// First guess of the depth under load [m].
 const FIRST_PRESS: f64 = 1e-6;
-/// Gap at which a tool touches [m].
+/// Gap that counts as a touch [m].
 const TOUCH_TOLERANCE: f64 = 1e-10;
-/// Gap below which the search for the deepest point may be all that still changes it [m].
+/// Gap below which only the noise of the search for the deepest point may still change it [m].
 const TOUCH_NOISE: f64 = 1e-9;
-/// Steps of the search for the first touch.
+/// Maximum number of iterations of the search for the first touch.
 const TOUCH_STEPS: usize = 500;
 
 /// A tool over the part's surface.
@@ -35,14 +35,14 @@ pub struct Press<'a> {
     pose: Pose,
     reach: f64,
     sheet: Sheet,
-    /// A step that takes no time.
+    /// Scheme of a step without duration.
     scheme: Grinding,
-    /// Where the tool first touches [m].
+    /// Point of the first touch [m].
     touched: Option<DVec3>,
 }
 
 impl<'a> Press<'a> {
-    /// Reads the surface under a tool that may go `reach` [m] up or down from `pose`.
+    /// Reads the surface under a tool that may move `reach` [m] up or down from `pose`.
     pub fn new(grid: &BrickGrid, tool: &'a Tool, pose: Pose, reach: f64) -> Self {
         let facing = Facing::of(pose.approach);
         let extent = Extent::of(tool, 2.0 * reach);
@@ -54,15 +54,15 @@ impl<'a> Press<'a> {
         Self { tool, pose, reach, sheet, scheme, touched: None }
     }
 
-    /// The same with the squares at rim and border cut into cells of a sixteenth of a voxel. Without, they are measured
-    /// as in a pass; a tool from a mesh always is measured so.
+    /// The same with the cells at rim and border subdivided into sub-cells of a sixteenth of a voxel. Otherwise cells
+    /// are measured as in a pass; a tool from a mesh is always subdivided.
     pub fn closer(mut self) -> Self {
         self.scheme.look_closer();
         self
     }
 
-    /// What the tool meets, lifted by `travel` [m]. Formulas that ask for the force, area or pressure of the step before are
-    /// told those of this one the next time.
+    /// Contact of the tool lifted by `travel` [m]. Formulas that read force, area or pressure of the previous step get
+    /// the values of this contact the next time.
     ///
     /// # Errors
     /// A formula of the model that gives no finite number.
@@ -80,18 +80,18 @@ impl<'a> Press<'a> {
         Ok(contact)
     }
 
-    /// The tool as the model's effects have it, lifted by `travel` [m].
+    /// Placement of the tool lifted by `travel` [m], with the pose change of the model's effects.
     fn at(&self, travel: f64, physics: &Physics) -> Result<Placement<'a>, RunError> {
         Ok(Placement::still(self.tool, self.pose.lifted(travel).changed(&physics.pose_change()?)))
     }
 
-    /// Force on the tool at a place.
+    /// Force on the tool at a placement.
     fn force_at(&mut self, place: &Placement, physics: &mut Physics) -> Result<EndForce, RunError> {
         self.scheme.begin(place, &self.sheet, physics)?;
         self.scheme.force_at(place, &self.sheet, physics, 0.0)
     }
 
-    /// Travel [m] at which the tool first touches the surface, coming down; `None` where it meets none within reach.
+    /// Travel [m] at which the tool first touches the surface from above; `None` if it touches none within reach.
     ///
     /// # Errors
     /// As [`Press::contact`].
@@ -102,7 +102,7 @@ impl<'a> Press<'a> {
             self.scheme.begin(&place, &self.sheet, physics)?;
             let peak = self.scheme.step().start_peak(&place, &self.sheet);
             let Some(peak) = peak.filter(|_| travel >= -self.reach) else { return Ok(None) };
-            // The gap is the shortest way to the surface, so it is never too far down.
+            // The gap is the shortest distance to the surface, so a step never goes too far.
             travel += peak.depth;
             self.touched = Some(self.sheet.facing.world(peak.point));
             let before = std::mem::replace(&mut gap, peak.depth.abs());
@@ -113,8 +113,8 @@ impl<'a> Press<'a> {
         Ok(Some(travel))
     }
 
-    /// How thick the part is below the place of the first touch, along the approach axis [m]; `None` before a touch, and
-    /// where the way leaves no underside that can be found.
+    /// Thickness of the part below the point of the first touch, along the approach axis [m]; `None` before a touch, or
+    /// if no underside is found.
     pub fn thickness(&self, grid: &BrickGrid) -> Option<f64> {
         let into = -self.pose.approach;
         let start = 0.5 * grid.voxel;
@@ -122,7 +122,7 @@ impl<'a> Press<'a> {
         Some(start + way)
     }
 
-    /// Length along the tool's x and width along its y of the patch that [`Press::contact`] met at a travel [m].
+    /// Length along the tool's x and width along its y of the patch [m] of [`Press::contact`] at a travel [m].
     ///
     /// # Errors
     /// As [`Press::contact`].
@@ -131,7 +131,7 @@ impl<'a> Press<'a> {
         Ok(patch.map_or((0.0, 0.0), |patch| (patch.x.1 - patch.x.0, patch.y.1 - patch.y.0)))
     }
 
-    /// Travel [m] at which the force is `setpoint` [N]; `None` where nothing is met within reach.
+    /// Travel [m] at which the force is `setpoint` [N]; `None` if nothing is touched within reach.
     ///
     /// # Errors
     /// As [`Press::contact`].

@@ -1,9 +1,9 @@
-//! A virtual profilometer: the surface of a field as an instrument above it sees it.
+//! A virtual profilometer: the surface of a field as an instrument above it measures it.
 //!
-//! Along each lattice line parallel to z the topmost surface is the zero of the cubic through the four voxels around
-//! the sign change, which is third order and better for a φ that is a distance. Pixels between lattice lines
-//! take the bicubic of the lines around them; then the instrument's lateral blur is applied. Pixels all on lattice
-//! lines, as those of a scan whose pitch is a multiple of the voxel, need their own lines only.
+//! Along each lattice line parallel to z the topmost surface is the root of the cubic through the four voxels around
+//! the sign change. This is third order or better if φ is a distance. Pixels between lattice lines take the bicubic of
+//! the lines around them; then the instrument's lateral blur is applied. If all pixels are on lattice lines, as for a
+//! scan whose pitch is a multiple of the voxel, only those lines are read.
 
 use glam::{DVec2, IVec2, IVec3};
 use rayon::prelude::*;
@@ -12,30 +12,30 @@ use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 
 use crate::crossing::way_to_zero;
 
-/// How far a pixel may lie off a lattice line and still be on it [voxels].
+/// Distance from a lattice line up to which a pixel counts as on it [voxels].
 const ON_LINE: f64 = 1e-6;
 
-/// The instrument.
+/// A virtual profilometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profilometer {
-    /// Where its pixels lie.
+    /// Its pixels.
     pub pixels: PixelGrid,
-    /// Standard deviation of its lateral blur, a Gaussian [m]. Zero for none.
+    /// Standard deviation of its lateral blur, a Gaussian [m]; 0 for none.
     pub blur: f64,
 }
 
-/// Where a lattice line meets the topmost surface.
+/// Crossing of a lattice line with the topmost surface.
 #[derive(Clone, Copy)]
 struct Crossing {
-    /// Voxel below the surface, on the line.
+    /// Voxel below the surface on the line.
     below: IVec3,
-    /// Way from that voxel to the surface [voxels], 0 to 1.
+    /// Distance from that voxel to the surface [voxels], 0 to 1.
     way: f64,
 }
 
 /// Lattice lines around an instrument's pixels.
 struct Lines {
-    /// First line [voxels].
+    /// Lattice index of the first line [voxels].
     first: IVec2,
     nx: usize,
     ny: usize,
@@ -47,7 +47,7 @@ impl Profilometer {
         Self { pixels, blur: 0.0 }
     }
 
-    /// Heights of the topmost surface [m]; NaN where there is none.
+    /// Heights of the topmost surface [m]; NaN where there is no surface.
     pub fn heights(&self, grid: &BrickGrid) -> HeightMap {
         let read = |crossing: Crossing| (f64::from(crossing.below.z) + crossing.way) * grid.voxel;
         HeightMap { pixels: self.pixels, heights: self.seen(grid, read) }
@@ -68,7 +68,7 @@ impl Profilometer {
         })
     }
 
-    /// Which pixels show substrate: where the dose has reached 1. `None` where there is no surface.
+    /// True for pixels that show substrate, where the dose has reached 1; `None` where there is no surface.
     ///
     /// - `dose`: coating dose of each voxel in the order of `phi`, 1 where the coating is gone
     pub fn exposed(&self, grid: &BrickGrid, dose: &[f32]) -> Vec<Option<bool>> {
@@ -76,7 +76,7 @@ impl Profilometer {
         self.channel(grid, dose).into_iter().map(share).collect()
     }
 
-    /// What `read` finds on the surface, at the pixels, blurred.
+    /// Values of `read` on the surface at the pixels, blurred.
     fn seen(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
         let value = |line: IVec2| topmost(grid, line).map_or(f64::NAN, &read);
         let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
@@ -92,12 +92,12 @@ impl Profilometer {
     }
 }
 
-/// Whether a place [voxels] is on a lattice line.
+/// True if a point [voxels] is on a lattice line.
 fn is_on_line(place: DVec2) -> bool {
     (place - place.round()).abs().max_element() < ON_LINE
 }
 
-/// The topmost surface on the lattice line at (x, y) [voxels].
+/// The topmost surface on the lattice line at indices (x, y) [voxels].
 fn topmost(grid: &BrickGrid, line: IVec2) -> Option<Crossing> {
     let side = BRICK_SIDE as i32;
     let mut above: Option<f32> = None;
@@ -122,7 +122,7 @@ fn topmost(grid: &BrickGrid, line: IVec2) -> Option<Crossing> {
     None
 }
 
-/// Way [voxels] from a voxel below the surface to the surface on its line.
+/// Distance [voxels] from a voxel below the surface to the surface on its line.
 fn way_up(grid: &BrickGrid, below: IVec3, low: f32, high: f32) -> f64 {
     let (before, after) = (grid.phi_at(below - IVec3::Z), grid.phi_at(below + 2 * IVec3::Z));
     way_to_zero([before, low, high, after].map(f64::from), grid.band.into())
@@ -141,8 +141,8 @@ impl Lines {
         self.first + IVec2::new((k % self.nx) as i32, (k / self.nx) as i32)
     }
 
-    /// Bicubic between the lines' values at a place [voxels]; bilinear where the sixteen are not all known, NaN where
-    /// the four are not.
+    /// Bicubic interpolation between the lines' values at a point [voxels]; bilinear where the sixteen are not all
+    /// known, NaN where the four are not.
     fn at(&self, values: &[f64], place: DVec2) -> f64 {
         let local = place - self.first.as_dvec2();
         let value = |i: usize, j: usize| values[j * self.nx + i];
@@ -161,14 +161,14 @@ impl Lines {
     }
 }
 
-/// Lagrange's weights of the four points around a cell at `t` (0 to 1).
+/// Lagrange weights of the four points around a cell at `t` (0 to 1).
 fn cubic_weights(t: f64) -> [f64; 4] {
     let (a, b, c, d) = (t + 1.0, t, t - 1.0, t - 2.0);
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
-/// Gaussian blur of rows of `nx` values with a standard deviation of `sigma` [pixels]; missing values stay missing
-/// and count nothing for their neighbours.
+/// Gaussian blur of rows of `nx` values with a standard deviation of `sigma` [pixels]. Missing values stay missing and
+/// have no weight for their neighbours.
 fn blurred(values: Vec<f64>, nx: usize, sigma: f64) -> Vec<f64> {
     if sigma <= 0.0 || values.is_empty() {
         return values;
@@ -179,8 +179,8 @@ fn blurred(values: Vec<f64>, nx: usize, sigma: f64) -> Vec<f64> {
     blurred_lines(&along_x, (ny, nx), (nx, 1), &kernel)
 }
 
-/// Weights from the middle outwards. Below 0.8 pixels a sampled Gaussian is too narrow: three weights then carry
-/// the variance.
+/// Weights from the middle outwards. Below 0.8 pixels a sampled Gaussian is too narrow: there three weights match the
+/// variance.
 fn kernel(sigma: f64) -> Vec<f64> {
     if sigma < 0.8 {
         return vec![1.0 - sigma * sigma, 0.5 * sigma * sigma];
@@ -188,7 +188,7 @@ fn kernel(sigma: f64) -> Vec<f64> {
     (0..=(4.0 * sigma).ceil() as usize).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect()
 }
 
-/// Blurs along lines of `count` values `stride` apart; the lines themselves are given in the same way.
+/// Blurs along lines of `count` values `stride` apart; the starts of the lines are given in the same way.
 fn blurred_lines(
     values: &[f64],
     (count, stride): (usize, usize),

@@ -1,4 +1,4 @@
-//! What a pass leaves behind besides the part.
+//! Record of a pass: its log and what it removed.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -6,21 +6,21 @@ pub(crate) use shaders::constants::DEVICE_CLOCK;
 
 use crate::contact::Contact;
 
-/// Height above the first and last contact at which a log that starts in contact is begun and ended [m].
+/// Height above first and last contact at which a log begins and ends if the pass starts in contact [m].
 const CLEARANCE: f64 = 5e-3;
 /// Least time between two rows of the log [s].
 const LOG_PERIOD: f64 = 0.01;
 
-/// What a step took off.
+/// Removal by a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Removal {
-    /// By Eq. (1) [m³].
+    /// Removed volume, Eq. (1) [m³].
     pub volume: f64,
-    /// Of the coating, by Eq. (2) [m³].
+    /// Removed volume of coating, Eq. (2) [m³].
     pub coating_volume: f64,
 }
 
-/// One row of the log, as robot and force sensor would report it.
+/// One row of the log, as robot and force sensor report it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogRow {
     /// Since the start of the pass [s].
@@ -35,29 +35,29 @@ pub struct LogRow {
     pub spindle_speed: f64,
 }
 
-/// One pass.
+/// Record of one pass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PassRecord {
-    /// From the air, over the surface, back into the air.
+    /// Rows from the air over the surface and back into the air.
     pub log: Vec<LogRow>,
     /// Steps taken.
     pub steps: usize,
-    /// Steps in which there was nothing to press against.
+    /// Steps without contact.
     pub steps_in_air: usize,
     /// `∫∫ r dA dt` over the contact patch, Eq. (1) [m³].
     pub removed_volume: f64,
-    /// Volume of coating taken off, Eq. (2) [m³].
+    /// Removed volume of coating, Eq. (2) [m³].
     pub coating_volume: f64,
     /// `∫ F dt` with the mean force of each step [N s].
     pub impulse: f64,
     /// `∫∫ p dA dt` [N s]. For p_c = 0, k times this is the removed volume, for every shape.
     pub load_impulse: f64,
-    /// Root mean square of force minus setpoint at the ends of the steps, where the controller acts, over the time in
-    /// contact [N].
+    /// Root mean square of force minus setpoint over the time in contact [N], taken at the ends of the steps, where the
+    /// controller acts.
     pub force_rms_error: f64,
     /// Time in contact [s].
     pub contact_time: f64,
-    /// Highest pressure met [Pa].
+    /// Highest pressure [Pa].
     pub pressure_max: f64,
     /// Largest area under pressure [m²].
     pub area_max: f64,

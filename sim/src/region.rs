@@ -1,25 +1,25 @@
-//! The part of a sheet that a step looks at.
+//! The part of a height field that a step evaluates.
 
 use std::ops::Range;
 
 use crate::sheet::Window;
 
-/// A rectangle of a window's lines, all of which have neighbours on all sides.
+/// A rectangle of a window's columns, each with neighbours on all sides.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Region {
-    /// Rows, along u.
+    /// Range of rows, along u.
     pub rows: Range<usize>,
-    /// Places in a row, along v.
+    /// Range of positions in a row, along v.
     pub columns: Range<usize>,
 }
 
 impl Region {
-    /// All lines of a window that have neighbours on all sides.
+    /// All columns of a window that have neighbours on all sides.
     pub fn inside(window: &Window) -> Self {
         Self::common(window, window)
     }
 
-    /// Those of them that are in `part`, too.
+    /// Those of them that are also in `part`.
     pub fn common(window: &Window, part: &Window) -> Self {
         let range = |d: usize| {
             let first = i64::from(part.low[d]) - i64::from(window.low[d]);
@@ -30,19 +30,19 @@ impl Region {
         Self { rows: range(0), columns: range(1) }
     }
 
-    /// Its lines in a window that is `across` lines wide.
+    /// Its column indices in a window that is `across` columns wide.
     pub fn lines(&self, across: usize) -> impl Iterator<Item = usize> {
         let columns = self.columns.clone();
         self.rows.clone().flat_map(move |row| columns.clone().map(move |column| row * across + column))
     }
 
-    /// It and the lines around it.
+    /// The region and the columns around it.
     pub fn grown(&self) -> Self {
         let more = |range: &Range<usize>| range.start - 1..range.end + 1;
         Self { rows: more(&self.rows), columns: more(&self.columns) }
     }
 
-    /// Its outermost lines; those at the corners twice.
+    /// Its outermost columns; the corners appear twice.
     pub fn border(&self, across: usize) -> impl Iterator<Item = usize> {
         let Self { rows, columns } = self.clone();
         let ends = [rows.start, rows.end - 1].into_iter();

@@ -1,4 +1,4 @@
-//! Inputs and settings of a pass, with defaults that suit a weld on steel.
+//! Inputs and settings of a pass; the defaults suit a weld on steel.
 
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
@@ -16,14 +16,14 @@ use effects::{CompiledModel, Hook, RunError, Variable};
 use robot::Controller;
 use robot::Tool;
 
-/// Band a field needs so that the surface can move while distances beyond it are renewed [voxels].
+/// Band that a field needs for its surface to move while distances beyond it are reinitialised [voxels].
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
-/// Fewest squares across a tool.
+/// Minimum number of cells across a tool.
 const LEAST_SQUARES: f64 = 2.0;
-/// Longest step of all [s]: of what does not change the surface, while the tool keeps its velocity.
+/// Longest step of all [s]: for sanding, while the tool keeps its velocity.
 pub(crate) const LONGEST_STEADY_STEP: f64 = 0.08;
-/// Longest step under an effect that lets the controller's reading follow the clock [s]: ten for a swing at 20 Hz.
+/// Longest step under an effect that makes the controller's reading depend on time [s]: a tenth of a period at 20 Hz.
 const CLOCKED_STEP: f64 = 5e-3;
 
 /// Controller and numerics of a pass.
@@ -35,18 +35,18 @@ pub struct PassSettings {
     pub force_setpoint: f64,
     /// Speed of the spindle [rad/s]. Default 628, 6000 rpm.
     pub spindle_speed: f64,
-    /// Way of the tool in one step [voxels]; a pad that sands goes farther. Default 0.6.
+    /// Distance of the tool in one step [voxels]; longer for a pad that sands. Default 0.6.
     pub step_voxels: f64,
-    /// Whether an admittance is stepped at its own period only where its dynamics matter. Default: yes.
+    /// True if an admittance controller is stepped at its own period only where its dynamics matter. Default: true.
     pub quasi_static: bool,
-    /// Way of the tool after which the field is written [voxels]. Default 6.
+    /// Distance of the tool after which the height field is written back [voxels]. Default 6.
     pub commit_voxels: f64,
     /// Thickness of the coating h_c [m], for sanding. Default 50e-6.
     pub coating: f64,
-    /// The tool is sought this far above and below its path [m]. Default 20e-3.
+    /// Search range for the tool's travel above and below its path [m]. Default 20e-3.
     pub search_reach: f64,
-    /// Steps after which a pass is given up: some effects at some values make the contact too restless to be worth
-    /// following. Default: none.
+    /// Number of steps after which a pass is given up: some parameter values make the contact too unsteady to simulate.
+    /// Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_steps: Option<usize>,
 }
@@ -84,21 +84,21 @@ pub struct Pass<'a> {
     pub row: usize,
     /// Time since the trial's first pass began, pauses included [s].
     pub trial_time: f64,
-    /// Until then the tool keeps to its path, unless the force exceeds [`TOUCH`] of the setpoint before [s]; then the
-    /// controller takes over.
+    /// Duration of the approach [s], in which the tool keeps to its path. It ends early if the force exceeds [`TOUCH`]
+    /// of the setpoint; then the controller takes over.
     pub approach: f64,
-    /// Quantities that were measured along the pass, for formulas.
+    /// Quantities measured along the pass, for formulas.
     pub measured: &'a [Measured],
-    /// Force that the controller holds where it changes along the pass; otherwise that of the settings.
+    /// Setpoint that changes along the pass; otherwise that of the settings.
     pub force: Option<&'a ForceCourse>,
-    /// Where to add up what each place of the surface goes through; `None` costs nothing.
+    /// Covariates to be accumulated for each point of the surface; `None` costs nothing.
     pub covariates: Option<&'a RefCell<Covariates>>,
-    /// Where to sum up the time that each phase of the work takes; `None` costs nothing.
+    /// Timer of the phases of the work; `None` costs nothing.
     pub clock: Option<&'a Clock>,
 }
 
 impl<'a> Pass<'a> {
-    /// Force that the controller holds, the mean over some times since the pass began [N].
+    /// Mean setpoint over an interval since the pass began [N].
     pub(crate) fn force_setpoint(&self, times: Range<f64>) -> f64 {
         self.force.map_or(self.settings.force_setpoint, |course| course.mean(times))
     }
@@ -122,26 +122,26 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// Why a pass cannot be simulated.
+/// Error of a pass that cannot be simulated.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum PassError {
     /// A parameter out of its range.
     #[error("{name} is {found}, it must be {accepted}")]
     BadSetting {
-        /// Which one, with its unit.
+        /// Name of the parameter, with its unit.
         name: &'static str,
         /// Value given [SI].
         found: f64,
-        /// What would do.
+        /// Accepted values.
         accepted: &'static str,
     },
-    /// The field's band does not let the surface move.
+    /// The field's band is too thin for the surface to move.
     #[error("the field's band is {found:.2} voxels, grinding needs at least {BAND_VOXELS}: bake it wider")]
     ThinBand {
         /// Band of the field [voxels].
         found: f64,
     },
-    /// Voxels that do not resolve the tool.
+    /// Voxels too coarse for the tool.
     #[error(
         "voxels of {voxel} mm are too coarse for a tool of {size} mm: at most {} mm is accepted",
         .size / LEAST_SQUARES
@@ -152,7 +152,7 @@ pub enum PassError {
         /// Width of the tool [mm].
         size: f64,
     },
-    /// An effect that acts through the dynamics of a controller which has none.
+    /// An effect that acts through the controller's dynamics, with a controller that has none.
     #[error(
         "`{effect}` lets the controller read a past force, and an ideal controller would undo that: an admittance \
          controller, or the effect at its null value, is accepted"
@@ -161,15 +161,15 @@ pub enum PassError {
         /// Name of the effect.
         effect: String,
     },
-    /// The tool touched, but met the setpoint nowhere on its path.
+    /// The tool touched, but reached the setpoint nowhere on its path.
     #[error(
         "the tool touches but does not meet {setpoint} N within {} mm below its path: a stiffer contact, a smaller force \
          or a larger search_reach is accepted", .reach * 1e3
     )]
     TooSoft {
-        /// Force wanted [N].
+        /// Setpoint [N].
         setpoint: f64,
-        /// Way below the path that was tried [m].
+        /// Distance below the path that was searched [m].
         reach: f64,
     },
     /// More steps than the settings allow.
@@ -185,17 +185,17 @@ pub enum PassError {
     Formula {
         /// Time in the pass [s].
         time: f64,
-        /// Which formula, and why.
+        /// The formula and the cause.
         error: RunError,
     },
 }
 
 impl PassSettings {
-    /// Longest step [s] in which the controller sees what a model's effects do to its reading: an admittance that reads a
-    /// past force is stepped at its own period.
+    /// Longest step [s] in which the controller resolves what effects do to its force reading: an admittance controller
+    /// that reads a past force is stepped at its own period.
     ///
     /// # Errors
-    /// [`PassError::NoDynamics`] where an ideal controller would read a past force.
+    /// [`PassError::NoDynamics`] if an ideal controller would read a past force.
     pub fn longest_step(&self, model: &CompiledModel) -> Result<f64, PassError> {
         let mut longest = LONGEST_STEADY_STEP;
         for effect in model.acting(Hook::Force) {
@@ -212,10 +212,10 @@ impl PassSettings {
         Ok(longest)
     }
 
-    /// Checks that a pass of a duration [s] can end within the steps allowed, where none may be longer than `longest` [s].
+    /// Checks that a pass of a duration [s] can end within the allowed steps if none is longer than `longest` [s].
     ///
     /// # Errors
-    /// [`PassError::TooManySteps`] at the beginning.
+    /// [`PassError::TooManySteps`] at time 0.
     pub(crate) fn check_steps(&self, duration: f64, longest: f64) -> Result<(), PassError> {
         match self.most_steps.filter(|most| duration > *most as f64 * longest) {
             Some(most) => Err(PassError::TooManySteps { time: 0.0, most }),
@@ -223,8 +223,8 @@ impl PassSettings {
         }
     }
 
-    /// Steps that a pass along a path takes on voxels [m] of a size, at most about: of a part of a voxel, of the longest
-    /// duration, and of the controller's own period.
+    /// Approximate upper bound of the steps of a pass along a path on voxels of a size [m]. It follows from the steps'
+    /// distance in voxels, their longest duration, and the controller's own period.
     pub fn expected_steps(&self, path: &Path, voxel: f64) -> f64 {
         let longest = match self.controller {
             Controller::Admittance { period, .. } => period.min(LONGEST_STEP),
@@ -272,7 +272,7 @@ impl PassSettings {
     /// Checks that a `voxel` [m] resolves a tool.
     ///
     /// # Errors
-    /// [`PassError::CoarseField`] where it does not.
+    /// [`PassError::CoarseField`] if it does not.
     pub fn check_voxel(voxel: f64, tool: &Tool) -> Result<(), PassError> {
         let (along, across) = tool.half_footprint(f64::INFINITY);
         let (voxel, size) = (voxel * 1e3, 2e3 * along.min(across));

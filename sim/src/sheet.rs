@@ -1,8 +1,8 @@
-//! The workpiece's surface under a tool, read as a sheet of columns along the field's own lattice lines.
+//! The workpiece's surface under a tool, as a height field of columns along the distance field's own lattice lines.
 //!
-//! Columns run along the lattice axis that the tool approaches most directly, one on each lattice line. On a line the
-//! field is known at every voxel, so where the surface crosses it is a root of a cubic in one variable: no
-//! interpolation across lines, and fourth order where the surface is smooth.
+//! Columns run along the lattice axis nearest to the approach axis, one on each lattice line. On a line the distance
+//! field is known at every voxel, so the surface height is a root of a cubic in one variable: it needs no interpolation
+//! across lines, and is fourth order where the surface is smooth.
 
 mod read;
 mod slopes;
@@ -15,10 +15,10 @@ use self::slopes::Bend;
 use crate::lattice_line::{Lattice, Line};
 use crate::region::Region;
 
-/// Height of a column that meets no surface [m]: finite, so that sums over columns stay numbers.
+/// Height of a column without a surface [m]: finite, so that sums over columns stay finite.
 pub const NO_SURFACE: f64 = -1e6;
 
-/// Distance that stands for "no edge near" [m].
+/// Distance that means "no edge near" [m].
 const NO_EDGE: f64 = 1.0;
 
 /// The lattice axis along which columns run, and which way is up.
@@ -40,13 +40,13 @@ impl Facing {
         ((self.axis + 1) % 3, (self.axis + 2) % 3)
     }
 
-    /// A vector as (u, v, up).
+    /// Transforms a vector of the distance field's frame into (u, v, up).
     pub fn sheet(&self, v: DVec3) -> DVec3 {
         let (a, b) = self.across();
         DVec3::new(v[a], v[b], f64::from(self.up) * v[self.axis])
     }
 
-    /// A vector given as (u, v, up) in the field's frame.
+    /// Transforms a vector (u, v, up) into the distance field's frame.
     pub fn world(&self, s: DVec3) -> DVec3 {
         let (a, b) = self.across();
         let mut v = DVec3::ZERO;
@@ -59,12 +59,12 @@ impl Facing {
         self.axis
     }
 
-    /// 1 or -1: whether columns run along the axis or against it.
+    /// 1 or -1: the columns run along the axis or opposite to it.
     pub(crate) fn up(&self) -> i32 {
         self.up
     }
 
-    /// The voxel at lattice place (i, j) across and `k` up.
+    /// The voxel at lattice indices (i, j) across and `k` up.
     pub fn voxel(&self, i: i32, j: i32, k: i32) -> IVec3 {
         let (a, b) = self.across();
         let mut voxel = IVec3::ZERO;
@@ -76,14 +76,14 @@ impl Facing {
 /// A rectangle of lattice lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// First line along u and v [voxels].
+    /// Index of the first line along u and v [voxels].
     pub low: [i32; 2],
-    /// Lines along u and v.
+    /// Number of lines along u and v.
     pub size: [usize; 2],
 }
 
 impl Window {
-    /// The smallest window around points of the sheet (u, v, up) [m], `margin` lines wider on each side.
+    /// The smallest window around points (u, v, up) [m], `margin` lines wider on each side.
     pub fn around(points: impl Iterator<Item = DVec3>, voxel: f64, margin: i32) -> Self {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for point in points {
@@ -94,7 +94,7 @@ impl Window {
         Self { low: first, size: [0, 1].map(|d| (last[d] - first[d] + 1).max(3) as usize) }
     }
 
-    /// Whether all of another window but `slack` lines on each side is in this one.
+    /// Returns true if this window contains another one, except `slack` lines on each side.
     pub fn holds(&self, other: &Self, slack: i32) -> bool {
         (0..2).all(|d| {
             let end = |window: &Self| window.low[d] + window.size[d] as i32;
@@ -107,37 +107,37 @@ impl Window {
         self.size[0] * self.size[1]
     }
 
-    /// Lattice places of all lines.
+    /// Lattice indices of all lines.
     fn all_places(&self) -> impl Iterator<Item = (i32, i32)> {
         let Self { low: [i, j], size: [rows, across] } = *self;
         (i..i + rows as i32).flat_map(move |i| (j..j + across as i32).map(move |j| (i, j)))
     }
 
-    /// Lattice place of a line.
+    /// Lattice indices of a line.
     pub fn place(&self, line: usize) -> (i32, i32) {
         (self.low[0] + (line / self.size[1]) as i32, self.low[1] + (line % self.size[1]) as i32)
     }
 }
 
-/// The columns of a window; lines run v fastest.
+/// The height field of a window; columns are ordered v fastest.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    /// Which way the columns run.
+    /// Axis and direction of the columns.
     pub facing: Facing,
     /// Distance between columns [m].
     pub pitch: f64,
-    /// Which columns.
+    /// Window of the columns.
     pub window: Window,
-    /// The field's lines along the columns, and that of each column.
+    /// The distance field's lattice lines in the window, and that of each column.
     pub(crate) lattice: Lattice,
     pub(crate) on: Vec<Line>,
-    /// Place of each line across the columns, u and v [m].
+    /// Position of each column, u and v [m].
     place: Vec<[f64; 2]>,
     /// Height of the surface when it was read [m], or [`NO_SURFACE`].
     pub read_height: Vec<f64>,
-    /// Height of the surface now [m].
+    /// Current height of the surface [m].
     pub height: Vec<f64>,
-    /// Lowest and highest height of the surface [m]; the lowest is greater where there is none.
+    /// Lowest and highest height of the surface [m]; lowest > highest without a surface.
     levels: (f64, f64),
     /// Slopes of the surface along u and v [1].
     pub slope: Vec<[f64; 2]>,
@@ -145,33 +145,33 @@ pub struct Sheet {
     area_ratio: Vec<f64>,
     /// Coating dose D [1].
     pub dose: Vec<f64>,
-    /// Depth removed so far [m]; 0 where the field does not keep it.
+    /// Depth removed so far [m]; 0 if the field does not store it.
     pub removed: Vec<f64>,
     /// Weld id, 0 for base metal.
     pub label: Vec<u16>,
-    /// What [`Sheet::edge_distances`] found.
+    /// Cached result of [`Sheet::edge_distances`].
     edges: OnceCell<Vec<f64>>,
 }
 
 impl Sheet {
-    /// Lets the surface of a line recede by `way` [m] along its normal.
+    /// Lowers the surface of a column by a recession of `way` [m] along its normal.
     pub fn recede(&mut self, line: usize, way: f64) {
         self.removed[line] += way;
         self.height[line] -= way * self.area_ratio(line);
         self.levels.0 = self.levels.0.min(self.height[line]);
     }
 
-    /// Lowest and highest height of the surface [m]; the lowest is greater where there is none.
+    /// Lowest and highest height of the surface [m]; lowest > highest without a surface.
     pub(crate) fn levels(&self) -> (f64, f64) {
         self.levels
     }
 
-    /// Place of each line across the columns, u and v [m].
+    /// Position of each column, u and v [m].
     pub(crate) fn places(&self) -> &[[f64; 2]] {
         &self.place
     }
 
-    /// A line's place on the surface as (u, v, up) [m].
+    /// A column's surface point as (u, v, up) [m].
     pub fn point(&self, line: usize) -> DVec3 {
         let [u, v] = self.place[line];
         DVec3::new(u, v, self.height[line])
@@ -182,7 +182,7 @@ impl Sheet {
         self.area_ratio[line]
     }
 
-    /// The same of all lines.
+    /// The same for all columns.
     pub(crate) fn area_ratios(&self) -> &[f64] {
         &self.area_ratio
     }
@@ -194,8 +194,8 @@ impl Sheet {
         (1.0 - cosine * cosine).sqrt() / cosine
     }
 
-    /// Distance [m] of each line from the nearest edge of the part across the columns: a line without a surface, or a
-    /// step of more than two pitches; 1 m where none is in the window. Measured when it is first asked for.
+    /// Distance [m] of each column from the nearest edge of the part, across the columns. An edge is a column without a
+    /// surface, or a step of more than two pitches. It is 1 m if no edge is in the window. Computed on first use.
     pub fn edge_distances(&self) -> &[f64] {
         self.edges.get_or_init(|| self.measure_edges())
     }
@@ -224,13 +224,13 @@ impl Sheet {
         distance
     }
 
-    /// Takes the slopes from the heights as they are now.
+    /// Computes the slopes from the current heights.
     pub fn set_slopes(&mut self) {
         let [rows, across] = self.window.size;
         pulp::Arch::new().dispatch(Bend { sheet: self, rows: 0..rows, columns: 0..across });
     }
 
-    /// The same in a part of the sheet.
+    /// The same in a region of the height field.
     pub fn set_slopes_in(&mut self, region: &Region) {
         let Region { rows, columns } = region.grown();
         pulp::Arch::new().dispatch(Bend { sheet: self, rows, columns });

@@ -1,4 +1,4 @@
-//! The values that the model's formulas may read once per step: clock, feed, and what the last step did.
+//! Step-wide variables of the model's formulas: time, feed, and results of the previous step.
 
 use crate::control::Motion;
 use crate::pose::Pose;
@@ -9,13 +9,13 @@ use crate::tool_cells::ToolCells;
 use effects::{StepValues, Variable};
 use robot::Tool;
 
-/// What a pass remembers from step to step for its formulas.
+/// Memory of a pass from step to step, for formulas.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Moment {
     rim_radius: f64,
     width: f64,
     face_area: f64,
-    /// Time since the first contact [s], and the way since then [m].
+    /// Time since the first contact [s], and the distance since then [m].
     contact_time: f64,
     path_position: f64,
     touched: bool,
@@ -42,7 +42,7 @@ impl Moment {
         }
     }
 
-    /// Sets what is known before a step that starts at `time` [s] with the tool at `nominal`.
+    /// Sets the variables known before a step that starts at `time` [s] with the tool at `nominal`.
     pub(crate) fn enter(&mut self, pass: &Pass, nominal: Pose, time: f64, step: &mut StepValues) {
         let velocity = pass.path.velocity(time).reject_from_normalized(nominal.approach);
         self.feed_speed = velocity.length();
@@ -75,13 +75,13 @@ impl Moment {
         self.publish(step);
     }
 
-    /// Sets the spindle's speed [rad/s] as the model has it.
+    /// Sets the spindle speed [rad/s] that the model gives.
     pub(crate) fn set_spindle(&self, speed: f64, step: &mut StepValues) {
         step.set(Variable::SpindleSpeed, speed);
         step.set(Variable::SlidingSpeed, speed.abs() * self.rim_radius);
     }
 
-    /// Takes up what a step did after the tool's motion `before`, on a patch so wide [m].
+    /// Records the results of a step; `before` is the tool's motion at its start, `patch_width` in [m].
     pub(crate) fn leave(&mut self, taken: &Taken, before: Motion, patch_width: f64) {
         let Taken { motion, dt, contact, applied: Applied { removal, .. }, .. } = taken;
         let speed = (motion.travel - before.travel) / dt;
@@ -115,7 +115,7 @@ impl Moment {
         };
     }
 
-    /// Sets what the last step did.
+    /// Sets the variables that describe the previous step.
     pub(crate) fn publish(&self, step: &mut StepValues) {
         for (variable, value) in [
             (Variable::ContactTime, self.contact_time),

@@ -1,21 +1,21 @@
-//! Where a line meets the workpiece's surface.
+//! Intersection of a line with the workpiece's surface.
 //!
-//! The trilinear chord of a curved surface lies below it by up to h²κ/8, at 0.5 mm voxels as much as a
-//! light contact is deep. So φ is corrected by its second differences, which makes it third order; the
-//! field itself and its zero set stay as they are.
+//! The trilinear interpolant of a curved surface lies below it by up to h²κ/8; at 0.5 mm voxels that is as much as the
+//! depth of a light contact. So φ is corrected by its second differences, which makes it third order; the field itself
+//! and its zero set stay as they are.
 
 use glam::{DVec3, IVec3, Vec3};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE, cell_corner, trilinear, trilinear_gradient, voxel_offset};
 
-/// Slope of φ along a line below which the line grazes the surface.
+/// Slope of φ along a line below which the line counts as grazing the surface.
 const GRAZING: f64 = 0.2;
-/// Evaluations of φ before a line counts as missing the surface.
+/// Evaluations of φ after which a line counts as missing the surface.
 const EVALUATIONS: usize = 40;
 
-/// Signed way [m] along `axis` (unit, out of the part) from `start` to the surface.
+/// Signed distance [m] along `axis` (unit, out of the part) from `start` to the surface; `None` if it is not met.
 ///
-/// `down` [m] is how far below `start` the surface is looked for; `None` where it is not met.
+/// `down` [m] is the distance below `start` in which the surface is searched for.
 pub fn way_to_surface(grid: &BrickGrid, start: DVec3, axis: DVec3, down: f64) -> Option<f64> {
     let near = 0.25 * grid.voxel;
     let mut way = 0.0;
@@ -28,14 +28,14 @@ pub fn way_to_surface(grid: &BrickGrid, start: DVec3, axis: DVec3, down: f64) ->
         if phi.abs() <= near && slope > GRAZING {
             return Some(polish(grid, start, axis, way - (phi - cell.chord_error(grid)) / slope));
         }
-        // φ is 1-Lipschitz: on a line that grazes, |φ| is a safe step.
+        // φ is 1-Lipschitz: on a grazing line, |φ| is a safe step.
         way -= phi / slope.clamp(0.5, 1.0);
     }
     None
 }
 
-/// Newton's steps on the corrected φ from a point next to the surface. A step is a few per cent off, so
-/// the one after a thousandth of a voxel would be lost in the roundings of φ.
+/// Newton's method on the corrected φ from a point next to the surface. A step has an error of a few per cent, so after
+/// a step of a thousandth of a voxel the next would be lost in the rounding of φ.
 fn polish(grid: &BrickGrid, start: DVec3, axis: DVec3, mut way: f64) -> f64 {
     for _ in 0..3 {
         let cell = Cell::at(grid, start + axis * way);
@@ -71,7 +71,7 @@ impl Cell {
         trilinear_gradient(&self.values, self.at).as_dvec3()
     }
 
-    /// What the trilinear value exceeds a quadratic through the neighbours by [m]: Σ f(1-f)/2 · h²φ_ii.
+    /// Excess of the trilinear value over a quadratic through the neighbours [m]: Σ f(1-f)/2 · h²φ_ii.
     fn chord_error(&self, grid: &BrickGrid) -> f64 {
         let around = Around::new(grid, self.corner);
         let mut error = 0.0;
@@ -93,7 +93,7 @@ impl Cell {
     }
 }
 
-/// Values next to a cell, without a look-up for each where all lie in one brick.
+/// Values next to a cell, without a look-up for each if all lie in one brick.
 struct Around<'a> {
     grid: &'a BrickGrid,
     corner: IVec3,

@@ -1,4 +1,4 @@
-//! The cells of a tool's working surface, for states that differ over it: bins across a wheel, rings of a disc.
+//! The cells of a tool's working surface, for states that vary over it: bins across a wheel, rings of a disc.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use effects::{CompiledModel, Lanes, RunError, States, StepValues, Variable};
 use robot::Tool;
 
-/// Cells of every tool.
+/// Number of cells of every tool.
 pub const COUNT: usize = 64;
 
 /// The cells of a tool.
@@ -34,7 +34,7 @@ impl ToolCells {
         }
     }
 
-    /// Fractional index of a point of the tool's frame: a whole number at a cell's middle.
+    /// Fractional index of a point of the tool's frame; an integer at a cell's middle.
     pub fn place(&self, at: DVec3) -> f64 {
         let coordinate = if self.circumference.is_some() { at.y } else { at.x.hypot(at.y) };
         ((coordinate - self.first) / self.size - 0.5).clamp(0.0, (COUNT - 1) as f64)
@@ -52,11 +52,11 @@ impl ToolCells {
     }
 }
 
-/// A square in contact, seen from the tool.
+/// A cell of the height field in contact, as input of the sums over tool cells.
 pub struct Under {
-    /// Share of the square in contact.
+    /// Share of the cell in contact.
     pub share: f64,
-    /// Mean pressure over the square [Pa].
+    /// Mean pressure over the cell [Pa].
     pub load: f64,
     /// [m/s]
     pub slip_speed: f64,
@@ -64,13 +64,14 @@ pub struct Under {
     pub recession: f64,
     /// Mean dose per time [1/s].
     pub dose: f64,
-    /// Area of the square's surface [m²].
+    /// Area of the cell's surface [m²].
     pub surface: f64,
     /// Coating thickness [m].
     pub coating: f64,
 }
 
-/// Sums over the contact of each tool cell; a square counts for the two cells whose middles it lies between.
+/// Sums over the contact for each tool cell; a cell of the height field counts for the two tool cells whose middles it
+/// lies between.
 #[derive(Clone, Debug)]
 pub struct CellSums {
     share: [f64; COUNT],
@@ -98,7 +99,7 @@ impl Default for CellSums {
 }
 
 impl CellSums {
-    /// Adds a square at a fractional cell index.
+    /// Adds a height field cell at a fractional tool cell index.
     pub fn add(&mut self, place: f64, under: &Under) {
         let first = place as usize;
         let fraction = place - first as f64;
@@ -113,7 +114,7 @@ impl CellSums {
         }
     }
 
-    /// Turns sums over squares into means over the contact.
+    /// Turns sums over the height field's cells into means over the contact.
     pub fn means(mut self) -> Self {
         for values in [&mut self.pressure, &mut self.slip_speed, &mut self.rate, &mut self.dose_rate] {
             for (value, share) in values.iter_mut().zip(self.share) {
@@ -123,7 +124,7 @@ impl CellSums {
         self
     }
 
-    /// Moves the model's states on by `dt` [s].
+    /// Advances the model's states by `dt` [s].
     ///
     /// # Errors
     /// A formula that gives no finite number.

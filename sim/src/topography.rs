@@ -1,4 +1,4 @@
-//! What an instrument's pixels show of a part, and what a model's scanner reports of it.
+//! The surface of a part at an instrument's pixels, and the heights that a model's scanner reports.
 
 use glam::DVec2;
 use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
@@ -6,13 +6,13 @@ use sdf_bake::{BrickGrid, HeightMap, PixelGrid};
 use crate::profilometer::Profilometer;
 use effects::{CompiledModel, Hook, Lanes, RunError, States, StepValues, Variable};
 
-/// Topmost surface of a part at pixels, as it is: heights, and what the field keeps there. A model's scanner can look at
-/// it again and again, each time with other parameter values.
+/// Topmost surface of a part at pixels, without scanner effects: heights, and the channels there. A model's scanner can
+/// be evaluated on it repeatedly with other parameter values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topography {
     /// Heights [m], NaN where there is no surface.
     pub map: HeightMap,
-    /// Depth removed along the normal [m], 0 where the part does not keep it; empty unless the model reads it.
+    /// Depth removed along the normal [m], 0 if the part does not store it; empty unless the model reads it.
     removed: Vec<f64>,
     /// Coating dose [1], likewise.
     dose: Vec<f64>,
@@ -21,7 +21,7 @@ pub struct Topography {
 }
 
 impl Topography {
-    /// Reads what the scanner of a model needs to know of a part.
+    /// Reads what a model's scanner needs of a part.
     pub fn read(part: &BrickGrid, pixels: PixelGrid, model: &CompiledModel) -> Self {
         let instrument = Profilometer::sharp(pixels);
         let map = instrument.heights(part);
@@ -42,7 +42,7 @@ impl Topography {
     /// - `step`: pass, and the rows of parameters with one value per pass or scan
     ///
     /// # Errors
-    /// A formula that gives no finite number, or a model that reads what another one did not ask for.
+    /// A formula that gives no finite number, or a model that reads a channel which this topography does not hold.
     pub fn reported(&self, model: &CompiledModel, step: &StepValues) -> Result<HeightMap, RunError> {
         if !model.has(Hook::Height) {
             return Ok(self.map.clone());
@@ -78,7 +78,7 @@ fn labels(part: &BrickGrid, map: &HeightMap) -> Vec<f64> {
     (0..map.heights.len()).map(|pixel| part.label(place(pixel).extend(map.heights[pixel])).into()).collect()
 }
 
-/// Heights before, at and after a pixel along x and along y [m]; NaN beyond the border.
+/// Heights before, at and after a pixel along x and along y [m]; NaN outside the map.
 fn neighbours(map: &HeightMap, pixel: usize) -> [[f64; 3]; 2] {
     let HeightMap { pixels: PixelGrid { nx, ny, .. }, heights } = map;
     let (i, j) = (pixel % nx, pixel / nx);

@@ -1,7 +1,7 @@
 //! Admittance controllers on a pad that presses on flat work, against their closed forms.
 //!
-//! The forms know the pad by K A and k/A alone. The shared examples are of a pad with a radius of a few voxels; here they
-//! are of thirty times its area, with K, k and p_c to match, so that force and travel stay the same.
+//! The closed forms depend on the pad only through K A and k/A. The shared examples have a pad with a radius of a few
+//! voxels; here its area is thirty times larger, with K, k and p_c to match, so that force and travel stay the same.
 
 mod common;
 
@@ -48,12 +48,13 @@ impl Plunge {
         CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model")
     }
 
-    /// Forces [N] over time [s] while the pad stays in place for `duration` [s], and how far the surface has receded in the end [m].
+    /// Forces [N] over time [s] while the pad stays in place for `duration` [s], and the final recession of the surface
+    /// [m].
     fn run(&self, duration: f64, period: f64, quasi_static: bool) -> (Vec<(f64, f64)>, f64) {
         self.run_on((plate(0.5e-3, 0.0), (self.area / PI).sqrt()), duration, (period, quasi_static))
     }
 
-    /// The same of a pad of a radius [m] on a part of which it meets the area A.
+    /// The same for a pad of a radius [m] on a part of which it touches the area A.
     fn run_on(
         &self,
         (mut grid, radius): (BrickGrid, f64),
@@ -73,7 +74,7 @@ impl Plunge {
         (forces, record.expect("a pass").removed_volume / self.area)
     }
 
-    /// Force [N] at the end of a run at the controller's period, and how far the surface has receded [m].
+    /// Force [N] at the end of a run at the controller's period, and the recession of the surface [m].
     fn end(&self, duration: f64, period: f64) -> (f64, f64) {
         let (forces, receded) = self.run(duration, period, false);
         (last(&forces), receded)
@@ -88,7 +89,7 @@ impl Plunge {
         (self.setpoint / self.damping + self.grind_rate * self.threshold) / (1.0 / self.damping + recession)
     }
 
-    /// Force [N] at a time after the touch, M = 0, and how far the surface has receded then [m].
+    /// Force [N] at a time after the touch, for M = 0, and the recession of the surface then [m].
     fn exact(&self, time: f64) -> (f64, f64) {
         let touch = self.threshold * self.area;
         let grinds =
@@ -157,7 +158,7 @@ fn a_plunging_pad_falls_short_of_its_setpoint_by_damping_times_recession() {
     }
 }
 
-/// Half side of a block that a wider pad covers whole [m]: a column of 0.5 mm voxels does not lie on its sides.
+/// Half side of a block that a wider pad covers entirely [m]: a column of 0.5 mm voxels does not lie on its sides.
 const BLOCK: f64 = 0.01225;
 
 #[test]
@@ -166,7 +167,8 @@ fn without_mass_long_steps_come_to_rest_as_the_closed_forms_do() {
     for (grind_rate, threshold) in [(0.0, 0.0), (0.1 * PAD.area / PAD.damping, 1e4)] {
         let pad = Plunge { grind_rate, threshold, ..PAD }.with_area(area);
         let (duration, period) = (30.0 * pad.tau(), pad.tau() / 200.0);
-        // The forms know nothing of the wall that stays beside a pad on wider work: here all of the work is under the pad.
+        // The closed forms ignore the side face that stays beside a pad on wider work: here all of the work is under
+        // the pad.
         let pressed = (block(0.5e-3, BLOCK), 2.0 * BLOCK);
         let ((forces, receded), (exact, depth)) = (pad.run_on(pressed, duration, (period, true)), pad.exact(duration));
         let (steps, found) = (forces.len(), last(&forces));

@@ -1,9 +1,9 @@
-//! Force, moment, peak pressure and patch of every kind of contact against closed forms: fixed cases here, and the
+//! Force, moment, maximum pressure and patch of every kind of contact against closed forms: fixed cases here, and the
 //! worked examples of the shared folder.
 //!
 //! Convention T: the depth is the tool's signed distance at the workpiece's surface. For a pad that is the distance to
-//! its plane, which at a level pad is also V. Where the form is parabolic or in V, the case's limit is above what that
-//! differs by.
+//! its plane, which for a level pad is also convention V. Where the closed form is parabolic or in V, the case's
+//! tolerance exceeds the difference between the conventions.
 
 mod common;
 
@@ -20,7 +20,7 @@ use sim::physics::Physics;
 use sim::press::Press;
 use sim::{Contact, Frame, Pose};
 
-/// A tool pressed into a part, and what it must meet.
+/// A tool pressed into a part, and the expected contact.
 struct Case {
     name: String,
     tool: Tool,
@@ -42,14 +42,14 @@ struct Case {
     width: f64,
 }
 
-/// A workpiece whose surface meets the origin.
+/// A workpiece whose surface passes through the origin.
 struct Part {
-    /// Half size of the box around what the tool can touch [m].
+    /// Half size of the box around the region that the tool can touch [m].
     half: DVec3,
     /// Signed distance, for a `radius` [m].
     distance: fn(DVec3, f64) -> f64,
     radius: f64,
-    /// A way along which the part is the same everywhere, by no simple share of a voxel [m].
+    /// A translation that maps the part onto itself, by no simple fraction of a voxel [m].
     shift: DVec3,
 }
 
@@ -75,7 +75,7 @@ fn springs(stiffness: f64) -> CompiledModel {
 }
 
 impl Case {
-    /// Presses at 0.5 and 0.25 mm voxels and holds what is met against the case.
+    /// Presses at 0.5 and 0.25 mm voxels and compares the contact with the case.
     fn check(&self, part: &Part) {
         for (voxel, limit) in [(0.5e-3, 5e-3), (0.25e-3, 1e-3)] {
             let grid = BrickGrid::from_distance(-part.half, part.half, voxel, 3.0, |p| (part.distance)(p, part.radius));
@@ -107,7 +107,7 @@ impl Case {
         }
     }
 
-    /// What is met, and the tool's reference point seen from its lowest point [m].
+    /// The contact, and the tool's reference point relative to its lowest point [m].
     fn press(&self, grid: &BrickGrid, shift: DVec3) -> (Contact, DVec3) {
         let frame = Frame::about(DVec3::Y, DVec3::Z).tilted(self.tilt.0, self.tilt.1);
         let arm = frame.z * self.tool.drop();
@@ -191,7 +191,7 @@ fn pad(radius: f64, (stiffness, depth, tilt): (f64, f64, f64), (force, peak, mom
     }
 }
 
-/// Force along z, peak and moment of a tilted disc, full or partial contact.
+/// Force along z, maximum pressure and moment of a tilted disc, full or partial contact.
 fn disc(radius: f64, (stiffness, depth, tilt): (f64, f64, f64)) -> (f64, f64, f64) {
     let (s, sin) = (radius, tilt.sin());
     let peak = stiffness * (depth + s * sin);

@@ -95,8 +95,8 @@ fn a_wheel_across_a_bar_meets_the_closed_form_and_converges_at_second_order() {
     assert!((exact / parabolic - 1.0).abs() < 0.01, "{exact}, {parabolic}");
     let errors = [1e-3, 0.5e-3, 0.25e-3].map(|voxel| {
         let grid = bar(voxel, radius, 0.03);
-        // The mean over places within a voxel: single places may be right by chance. The wheel is wide enough
-        // that a shift along its own axis changes nothing.
+        // The mean over positions within a voxel: a single position may be right by coincidence. The wheel is wide
+        // enough that a shift along its own axis changes nothing.
         let places = 5;
         let error = |i: usize| {
             let shift = voxel * (i as f64 + 0.5) / places as f64;
@@ -153,7 +153,7 @@ fn a_tilted_wheel_meets_the_closed_form_for_force_and_has_a_moment() {
     }
 }
 
-/// A plate whose top is turned by `tilt` [rad] about y, or about x where it is askew `across`.
+/// A plate whose top is tilted by `tilt` [rad] about y, or about x if `across`.
 fn tilted_plate(voxel: f64, tilt: f64, across: bool) -> BrickGrid {
     let half = DVec3::new(0.022, 0.022, 0.004);
     let normal =
@@ -181,7 +181,8 @@ fn a_tilted_surface_is_first_touched_at_the_border_of_the_tool() {
         let radius = 0.012;
         let (deepest, slope) = (depth, tilt.tan());
         let n = 4000;
-        // Vertical depth under a level pad, by strips across the slope; it is what the pad's own axis sees.
+        // Vertical depth under a level pad, integrated in strips across the slope; this is the depth along the pad's
+        // own axis.
         let strip = |i: usize| {
             let x = radius * (2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
             2.0 * (radius * radius - x * x).sqrt() * (deepest + (x - radius) * slope).max(0.0)
@@ -240,7 +241,7 @@ fn patch_area_and_pressures_meet_the_closed_form() {
 
 #[test]
 fn the_force_does_not_ripple_while_the_wheel_slides_over_voxels() {
-    // Askew to the lattice: along it every place within a voxel would be alike.
+    // Oblique to the lattice: otherwise every position along it would be the same within the voxel.
     let (voxel, turn, half) = (0.5e-3, odd_turn(), DVec3::splat(0.025));
     let flat = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| (turn.transpose() * p).z);
     let bar = BrickGrid::from_distance(-half, half, voxel, 3.0, |p| {

@@ -1,4 +1,4 @@
-//! What places of the surface go through, held against the pass as a whole.
+//! Covariates of the surface, compared with the totals of the pass.
 
 use std::cell::RefCell;
 
@@ -50,7 +50,8 @@ fn pressures_add_up_to_the_impulse_and_depths_to_the_volume() {
     let force_off = total(&covariates.pressure_time) / record.impulse - 1.0;
     let volume_off = total(&covariates.removed) / record.removed_volume - 1.0;
     println!("impulses off by {impulse_off:.1e} and {force_off:.1e}, volume by {volume_off:.1e}");
-    // The groove's walls have more surface than the lattice under them, which counts for the volume but not for the force.
+    // The groove's side faces have more surface than the lattice under them, which counts for the volume but not for
+    // the force.
     assert!(force_off.abs() < 1e-9);
     assert!(volume_off < 0.0 && volume_off > -0.01);
 }

@@ -1,4 +1,4 @@
-//! Effects on what the controller reads: refused where they could not act, and stepped finely enough where they can.
+//! Effects on the force reading: refused where they could not act, and stepped finely enough where they can.
 
 mod common;
 

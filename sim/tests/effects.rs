@@ -1,4 +1,4 @@
-//! Effects in whole passes: at null they are not there, and one that breaks down leaves a sound part.
+//! Effects in whole passes: at their null values they change nothing, and a formula that fails leaves a valid part.
 
 mod common;
 
@@ -23,7 +23,7 @@ fn run(kind: Kind, model: &CompiledModel) -> (BrickGrid, PassRecord) {
     (grid, record)
 }
 
-/// A model with one effect at null; what has no null value keeps its typical one.
+/// A model with one effect at its null values; parameters without a null value keep their typical one.
 fn at_null(kind: Kind, effect: &str) -> CompiledModel {
     let model = Model::new(kind).with(effect);
     let mut model = CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model");
@@ -91,7 +91,7 @@ fn a_formula_that_breaks_down_is_named_and_the_part_keeps_the_last_good_state() 
     assert!(grid.phi.iter().all(|phi| phi.is_finite()));
     let lost = before.volume() - grid.volume();
     assert!(lost > 0.0 && lost < base().law_value("grind_rate").expect("a law") * 15.0 * time, "{lost}");
-    // The part can be worked on as it is.
+    // The part can still be worked on.
     let plain = base();
     let pass = Pass { model: &plain, ..pass };
     assert!(run_pass(&mut grid, pass, &mut fresh(&plain), &mut |_| {}).is_ok());
@@ -106,7 +106,7 @@ fn with_effect(tables: &str, rate: &str) -> Result<Library, EffectError> {
     Library::builtin().with(&[("own.toml".to_owned(), text)])
 }
 
-/// `a0 = first`, and every further one twice the one before.
+/// `a0 = first`, and each further one is twice the one before.
 fn doublings(first: &str, count: usize) -> String {
     let further = (1..=count).map(|k| format!("a{k} = \"a{before} + a{before}\"\n", before = k - 1));
     format!("[let]\na0 = \"{first}\"\n{}", further.collect::<String>())
@@ -122,7 +122,7 @@ fn definitions_that_double_each_other_are_evaluated_once_each() {
     let plain = 1e-9 * 1e6;
     assert!((rate[0] / plain / (1.0 + 2f64.powi(41)) - 1.0).abs() < 1e-12, "{}", rate[0]);
 
-    // The words for a result that is no number follow the definitions, too.
+    // The message for a result that is not finite follows the definitions, too.
     let broken = with_effect(&doublings("amount", 200), "rate * (1 + amount * sqrt(-a200 - 1))");
     assert!(broken.unwrap_err().to_string().contains("square root of a negative number"));
     let infinite = with_effect(&doublings("amount", 250), "rate * (1 + (a250 + 1e300)^4 * amount)");
@@ -151,11 +151,11 @@ fn a_file_of_too_many_formulas_is_refused_before_they_are_evaluated() {
     );
     let message = refused(&long, "rate * (1 + a1)");
     assert!(message.contains("parts together") && message.contains("at most 4096"), "{message}");
-    // A chain is as deep as it is long.
+    // The depth of a chain is its length.
     let chain: String = (1..256).map(|k| format!("a{k} = \"-(-a{})\"\n", k - 1)).collect();
     let library = with_effect(&format!("[let]\na0 = \"amount\"\n{chain}"), "rate * (1 + a255)").expect("a chain");
     assert!(CompiledModel::new(&Model::new(Kind::Grinding).with("own"), &library, RowCounts::default()).is_ok());
-    // A circle has no unit from which that of a state could be inferred.
+    // A circular definition has no unit from which that of a state could be inferred.
     let circle = "[state.s]\nper = \"tool\"\nrate = \"a\"\n[let]\na = \"b\"\nb = \"a\"\n";
     let message = refused(circle, "rate * (1 + amount * s)");
     assert!(message.contains("in a circle: a -> b -> a"), "{message}");

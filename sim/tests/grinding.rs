@@ -23,8 +23,8 @@ fn pass(grid: &mut BrickGrid, path: &Path, model: &CompiledModel) -> (PassRecord
     (record, lost)
 }
 
-/// Prints how far the lost volume is from `k ∫∫ p dA dt`, `k ∫ F dt` and the law on the contact; returns the first and
-/// the last. Asserts that ∫ F dt is that of the setpoint, and no more than ∫∫ p dA dt: `F = ∫ p n·a dA`.
+/// Prints the deviations of the lost volume from `k ∫∫ p dA dt`, `k ∫ F dt` and the law on the contact; returns the
+/// first and the last. Asserts that ∫ F dt is that of the setpoint, and no more than ∫∫ p dA dt: `F = ∫ p n·a dA`.
 fn volume_errors(name: &str, (record, lost): &(PassRecord, f64)) -> (f64, f64) {
     let against = |volume: f64| lost / volume - 1.0;
     let (by_load, by_law) = (against(GRIND_RATE * record.load_impulse), against(record.removed_volume));
@@ -178,7 +178,7 @@ fn a_part_that_lies_askew_to_the_lattice_loses_the_same() {
     assert!(by_load < 3e-3 && by_law < 3e-3);
 }
 
-/// No value that shapes the surface has fallen: material only recedes.
+/// Asserts that no φ has fallen near the surface: material only recedes.
 fn assert_no_growth(before: &BrickGrid, after: &BrickGrid) {
     for &brick in &before.bricks {
         for at in (0..512).map(|offset| sdf_bake::grid::voxel_at(brick, offset)) {
@@ -188,7 +188,7 @@ fn assert_no_growth(before: &BrickGrid, after: &BrickGrid) {
     }
 }
 
-/// φ is still a distance near the surface, away from edges.
+/// Asserts that φ is still a distance near the surface, away from edges.
 fn assert_distances(grid: &BrickGrid) {
     let mut errors: Vec<f64> = Vec::new();
     for &brick in &grid.bricks {

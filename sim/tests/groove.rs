@@ -14,7 +14,7 @@ use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, run_pass};
 const STIFFNESS: f64 = 1e10;
 /// Grind rates [m/(Pa s)] and threshold pressures [Pa].
 const LAWS: [(f64, f64); 6] = [(8e-11, 0.0), (4e-10, 0.0), (4e-10, 1e5), (1e-9, 0.0), (2.5e-9, 0.0), (2.5e-9, 1e5)];
-/// Places of the wheel beside a column [voxels]: its rims lie on columns, a quarter beside them, and halfway between.
+/// Offsets of the wheel from a column [voxels]: its rims lie on columns, a quarter beside them, and halfway between.
 const BESIDE: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 fn grinding(stiffness: f64, grind_rate: f64, threshold: f64) -> CompiledModel {
@@ -25,7 +25,7 @@ fn grinding(stiffness: f64, grind_rate: f64, threshold: f64) -> CompiledModel {
     CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model")
 }
 
-/// What a wheel does to flat work, and what the closed form says.
+/// A wheel on flat work, and the expected groove and force of the closed form.
 struct Groove {
     wheel: Wheel,
     stiffness: f64,
@@ -33,7 +33,7 @@ struct Groove {
     threshold: f64,
     feed: f64,
     voxel: f64,
-    /// Place of the wheel beside a column of the lattice [voxels].
+    /// Offset of the wheel from a column of the lattice [voxels].
     beside: f64,
     /// Angle between feed and lattice [rad].
     turn: f64,
@@ -61,7 +61,8 @@ impl Groove {
         [-0.024, 0.024].map(|x| CurvePoint { position: at(x), normal: DVec3::Z })
     }
 
-    /// One pass at a `depth` [m] of the path, and the mean depth of the groove under mid width where the pass is steady.
+    /// One pass at a `depth` [m] of the path, and the mean depth of the groove under mid width where the pass is
+    /// steady.
     fn grind(&self, settings: &PassSettings, depth: f64) -> (PassRecord, f64) {
         let mut grid = plate(self.voxel, 0.0);
         let model = grinding(self.stiffness, self.grind_rate, self.threshold);
@@ -109,7 +110,7 @@ impl Groove {
         if self.voxel > 0.3e-3 { 1e-2 } else { 3e-3 }
     }
 
-    /// Largest error of the force [1]: a stiff contact rises above a threshold within a square.
+    /// Largest error of the force [1]: a stiff contact rises above a threshold within a cell.
     fn most_of_force(&self) -> f64 {
         if self.threshold > 0.0 && self.voxel > 0.3e-3 { 2.5e-2 } else { 1e-2 }
     }

@@ -1,4 +1,4 @@
-//! Quantities that were measured along a pass: a state of their name follows them.
+//! Quantities measured along a pass: a state of the same name follows them.
 
 mod common;
 
@@ -11,7 +11,7 @@ const FORCE: f64 = 15.0;
 const REFERENCE: f64 = 0.5;
 const CHANGE: f64 = 0.8;
 
-/// The rate is a line over a humidity that nothing but a measurement changes.
+/// The rate is linear in a humidity that only a measurement changes.
 const HUMID: &str = r#"
 name = "humid"
 [parameters.change]
@@ -29,7 +29,7 @@ reset = "never"
 rate = "rate * (1 + change * (humidity - 50 [%]))"
 "#;
 
-/// The rate is a line over the logged temperature.
+/// The rate is linear in the logged temperature.
 const WARM: &str = r#"
 name = "warm"
 [parameters.change]
@@ -72,7 +72,7 @@ fn the_removal_follows_a_column_along_the_pass() {
     let model = model("humid", HUMID);
     let rate = model.law_value("grind_rate").expect("a law");
     let duration = 0.008 / 5e-3;
-    // V = k ∫ F (1 + a (h(t) - h_0)) dt for p_c = 0, with h straight from 0.3 to 0.9.
+    // V = k ∫ F (1 + a (h(t) - h_0)) dt for p_c = 0, with h linear from 0.3 to 0.9.
     let (volume, last) = removed(&model, &[humidity(&[0.0, duration], &[0.3, 0.9])]);
     let expected = rate * FORCE * duration * (1.0 + CHANGE * (0.6 - REFERENCE));
     println!("{:.4} of the closed form, last humidity {last:?}", volume / expected);
@@ -109,7 +109,7 @@ fn the_removal_follows_a_force_along_the_pass() {
     let (tool, settings) = (Tool::from(Wheel::cylinder(0.05, 0.006)), PassSettings::default());
     let path = Path::along(&line(-0.004, 0.004, 0.0), 5e-3).expect("a path");
     let duration = path.duration();
-    // A ramp from 5 N to 25 N with a ripple of 10 % and 12 Hz, which no step is short enough to follow.
+    // A ramp from 5 N to 25 N with a ripple of 10 % and 12 Hz; no step is short enough to resolve it.
     let force = |time: f64| 5.0 + 20.0 * time / duration + 1.5 * (std::f64::consts::TAU * 12.0 * time).sin();
     let times = (0..=1600).map(|k| k as f64 / 1600.0 * duration);
     let course = ForceCourse::new(times.map(|time| (time, force(time))), 0.0);
@@ -118,7 +118,7 @@ fn the_removal_follows_a_force_along_the_pass() {
         let pass = Pass { force, ..Pass::first(&tool, &path, &settings, &model) };
         run_pass(&mut grid, pass, &mut states, &mut |_| {}).expect("a pass").removed_volume
     };
-    // V = k ∫ F dt for p_c = 0, as far as the lattice lets a constant force have it: within 0.3 %.
+    // V = k ∫ F dt for p_c = 0, within 0.3 %, the error that the lattice leaves under a constant force.
     let (found, constant) = (removed(Some(&course)), removed(None));
     let expected = constant * course.mean(0.0..duration) / FORCE;
     let rate = model.law_value("grind_rate").expect("a law");

@@ -1,4 +1,4 @@
-//! The virtual profilometer against surfaces that are known, and on the way heights -> bricks -> heights.
+//! The virtual profilometer against known surfaces, and on the round trip heights -> bricks -> heights.
 
 use std::time::Instant;
 
@@ -65,7 +65,7 @@ fn blur_widens_a_wave_as_a_gaussian_does() {
     let (grid, _) = BrickGrid::from_heights(&map, &SlabOptions::with_voxel(PITCH)).unwrap();
     for blur in [0.1e-3, 0.3e-3, 0.6e-3] {
         let seen = Profilometer { pixels: pixels(), blur }.heights(&grid);
-        // A Gaussian lets exp(-(turn σ)²/2) of a wave pass.
+        // A Gaussian attenuates a wave by exp(-(turn σ)²/2).
         let passed = (-0.5 * (turn * blur).powi(2)).exp();
         let middle = |k: &usize| (20..260).contains(&(k % 280));
         let error = (0..map.heights.len())
@@ -87,7 +87,7 @@ fn blur_leaves_missing_pixels_missing_and_their_neighbours_alone() {
     let pixels = PixelGrid { origin: DVec2::splat(-0.012), pitch: 0.5e-3, nx: 49, ny: 49 };
     let seen = Profilometer { pixels, blur: 0.7e-3 }.heights(&plate);
     assert!(seen.height(0, 24).is_nan() && seen.height(48, 48).is_nan());
-    // The edge of the plate is half a voxel soft, what lies inside is flat to the last row.
+    // The edge of the plate is blurred over half a voxel; inside it is flat up to the last row.
     for i in 6..43 {
         assert!((seen.height(i, 6) - 0.002).abs() < 2e-5, "{}", seen.height(i, 6));
         assert!((seen.height(i, 24) - 0.002).abs() < 1e-7, "{}", seen.height(i, 24));
@@ -98,7 +98,7 @@ fn blur_leaves_missing_pixels_missing_and_their_neighbours_alone() {
 fn exposure_is_where_the_dose_on_the_surface_reaches_one() {
     let map = HeightMap::from_function(pixels(), bead);
     let (grid, _) = BrickGrid::from_heights(&map, &SlabOptions::with_voxel(PITCH)).unwrap();
-    // A dose that grows along x, one at 35 mm, and differs from voxel to voxel down into the part.
+    // A dose that grows along x, is 1 at 35 mm, and differs from voxel to voxel below the surface.
     let dose = |k: usize| {
         let place = grid.position(sdf_bake::grid::voxel_at(grid.bricks[k / 512], k % 512));
         (place.x / 0.035 + (place.z - bead(place.truncate())) / 0.01) as f32

@@ -1,5 +1,5 @@
-//! A ball that recedes everywhere at the same speed, through the simulator: a pad larger than the ball reaches it from its
-//! six sides in turn, each at a share of the rate; the shares sum to one and vanish where the surface is steep.
+//! A ball that recedes everywhere at the same speed, in the simulator. A pad larger than the ball acts from its six
+//! sides in turn, each with a share of the rate; the shares sum to one and vanish where the surface is steep.
 
 mod common;
 
@@ -29,7 +29,7 @@ up = "max(x^2 + y^2 + z^2 - tool_x^2 - tool_y^2, 0)"
 rate = "if(speed > 0, speed * up^4 / max(x^8 + y^8 + z^8, 1e-40 [m^8]), rate)"
 "#;
 
-/// All sides of a part recede by `recession` [m] in `rounds`.
+/// Lets all sides of a part recede by `recession` [m] in `rounds`.
 fn recede(grid: &mut BrickGrid, recession: f64, rounds: usize) {
     let library = Library::builtin().with(&[("even.toml".to_owned(), EVEN.to_owned())]).expect("an effect");
     let duration = 0.05;

@@ -31,8 +31,8 @@ fn sanding(stiffness: f64, sanding_rate: f64, tilt: f64) -> CompiledModel {
     CompiledModel::new(&model, Library::builtin(), RowCounts::default()).expect("a model")
 }
 
-/// Sends a pad over flat work along +x with its face at z = -`depth`, and returns the dose at x = 0 and each of `places`,
-/// rounded to whole voxels.
+/// Moves a pad over flat work along +x with its face at z = -`depth`, and returns the dose at x = 0 and each of
+/// `places`, rounded to whole voxels.
 fn doses(
     radius: f64,
     (settings, model, depth): (&PassSettings, &CompiledModel, f64),
@@ -119,7 +119,7 @@ fn shared_examples_of_doses_hold() {
     }
 }
 
-/// Dose per pressure [s m/s] at a place: the slip of a pad that spins there, over the time for which it is under the pad.
+/// Dose per pressure [s m/s] at a point: the slip speed under a spinning pad, times the time under it.
 fn dose_along(path: &Path, (radius, spin): (f64, f64), place: DVec3) -> f64 {
     let steps = 200_000;
     let dt = path.duration() / f64::from(steps);
@@ -135,7 +135,7 @@ fn dose_along(path: &Path, (radius, spin): (f64, f64), place: DVec3) -> f64 {
 #[test]
 fn a_pad_that_turns_a_corner_leaves_the_dose_of_its_slip() {
     let (radius, feed, spin, force, stiffness) = (0.008, 0.02, 40.0, 10.0, 1e8);
-    // As a log has it: a sample in each hundredth of a second, round a corner that no sample hits.
+    // As in a log: a sample every hundredth of a second, round a corner that no sample hits.
     let corner = 0.0301;
     let place = |way: f64| DVec3::new(way.min(corner), (way - corner).max(0.0), 0.0) - DVec3::new(0.015, 0.015, 0.0);
     let samples = (0..=300).map(f64::from).map(|k| PathSample {
@@ -193,7 +193,8 @@ fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
             assert_eq!(steady.wet, measured_again.wet, "{tilt} rad, {sunk} m");
             for line in measured_again.wet.list().iter().map(|line| *line as usize) {
                 let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&measured_again)[line]).abs();
-                // A tilted pad may move across its axis by a thousandth of a voxel: so much less of a square is under it.
+                // A tilted pad may move across its axis by a thousandth of a voxel: the share of a cell under it
+                // changes by as much.
                 let (share, depth) = if tilt == 0.0 { (1e-10, 1e-14) } else { (2e-3, 2e-6) };
                 assert!(off(|squares| &squares.share) < share && off(|squares| &squares.area) < share);
                 assert!(off(|squares| &squares.mean_depth) < depth);

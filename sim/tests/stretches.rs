@@ -1,4 +1,4 @@
-//! A pass in stretches against the same pass in one piece, and against itself.
+//! A pass in stretches against the same pass without interruption, and against itself.
 
 use effects::{CompiledModel, Library, Model, RowCounts, States};
 use glam::DVec3;
@@ -33,7 +33,7 @@ fn piece(path: &Path, step: usize) -> Path {
     Path::from_samples(vec![begin, end, beyond]).unwrap()
 }
 
-/// A plate, a wheel on it and the pass under way.
+/// A plate, a wheel on it and the pass in progress.
 struct Work {
     grid: BrickGrid,
     states: States,

@@ -1,4 +1,4 @@
-//! The scanner's effects on a surface that is known: each by its formula, and none at its null value.
+//! The scanner's effects on a known surface: each follows its formula, and changes nothing at its null value.
 
 mod common;
 
@@ -26,7 +26,7 @@ fn exact(p: DVec2) -> (f64, DVec2, f64) {
     (z, -p / z, -(2.0 / z + p.length_squared() / z.powi(3)))
 }
 
-/// Asserts that an effect adds `expected` to the ball's heights, to within `share` of the largest it adds.
+/// Asserts that an effect adds `expected` to the ball's heights, within `share` of the largest addition.
 fn adds(effect: &str, values: &[(&str, &str)], share: f64, expected: impl Fn(DVec2) -> f64) {
     let text: String = values.iter().map(|(name, value)| format!("{name} = \"{value}\"\n")).collect();
     let model = model(&format!("process = \"grinding\"\n[effect.{effect}]\n{text}"));
@@ -63,7 +63,7 @@ fn every_effect_of_the_scanner_is_tried_here() {
     }
 }
 
-/// All effects of the scanner at null.
+/// All effects of the scanner at their null values.
 fn at_null() -> CompiledModel {
     let scans = |effect: &&effects::Effect| effect.changes.iter().any(|change| change.hook == Hook::Height);
     let effects = Library::builtin().effects().iter().filter(scans);

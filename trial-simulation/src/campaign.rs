@@ -1,4 +1,4 @@
-//! All trials of a campaign simulated in order, with a tool that wears from one to the next unless it is renewed.
+//! Simulation of all trials of a campaign in order; the tool wears from one to the next unless it is replaced.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,34 +11,34 @@ use thiserror::Error;
 use crate::simulation::{SimulatedPass, Simulation, SimulationError, Variation};
 use trials::trial::Trial;
 
-/// Why a campaign cannot be simulated.
+/// Error of a campaign that cannot be simulated.
 #[derive(Debug, Error)]
 #[error("{trial}: {error}")]
 pub struct CampaignError {
     /// Name of the trial.
     pub trial: String,
-    /// The fault, with a hint.
+    /// The cause, with a hint.
     pub error: SimulationError,
 }
 
-/// Once it is true, simulations that hold it end before their next trial.
+/// Flag that ends simulations before their next trial once it is true.
 pub type Stop = Arc<AtomicBool>;
 
-/// The trials of a campaign, ready to be simulated again and again.
+/// The trials of a campaign, prepared for repeated simulation.
 pub struct CampaignSimulation<'a> {
-    /// In the order in which they were made.
+    /// Trials in chronological order.
     pub trials: Vec<Simulation<'a>>,
-    /// Ends what is under way.
+    /// Flag that ends a simulation in progress.
     pub stop: Stop,
 }
 
 impl<'a> CampaignSimulation<'a> {
-    /// Makes the parts and paths of all trials.
+    /// Builds the parts and paths of all trials.
     ///
     /// - `voxel`: of the fields [m]; `None` takes the pitch of each trial's scan
     ///
     /// # Errors
-    /// The first trial whose scan makes no part or whose log is no path.
+    /// The first trial whose scan gives no valid part or whose log gives no valid path.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>, replay: bool) -> Result<Self, CampaignError> {
         let simulation = |trial: &'a Trial| {
             let voxel = voxel.unwrap_or(trial.scans.before.pixels.pitch);
@@ -49,7 +49,7 @@ impl<'a> CampaignSimulation<'a> {
 
     /// The same trials on other lattices.
     ///
-    /// - `ratio`: of their voxels to those of these
+    /// - `ratio`: new voxel size divided by the current one
     ///
     /// # Errors
     /// The first trial that cannot be simulated on such a lattice.
@@ -62,12 +62,12 @@ impl<'a> CampaignSimulation<'a> {
         Ok(Self { trials, stop: self.stop.clone() })
     }
 
-    /// The same trials where what was measured is a little otherwise.
+    /// The same trials with small variations of the measured inputs.
     ///
-    /// - `variation`: of a trial, by its number
+    /// - `variation`: maps a trial's index to its variation
     ///
     /// # Errors
-    /// The first trial that cannot be simulated so.
+    /// The first trial that cannot be simulated with its variation.
     pub fn varied<'v>(&self, variation: impl Fn(usize) -> Variation<'v> + Sync) -> Result<Self, CampaignError> {
         let simulation = |(number, own): (usize, &Simulation<'a>)| {
             own.again(own.part.voxel, &variation(number))
@@ -77,14 +77,14 @@ impl<'a> CampaignSimulation<'a> {
         Ok(Self { trials, stop: self.stop.clone() })
     }
 
-    /// Rows that a model needs which has a parameter for each pass or scan of the campaign.
+    /// Row counts for a model with parameters per pass or per scan of the campaign.
     pub fn rows(&self) -> RowCounts {
         let passes = self.trials.iter().map(|simulation| simulation.trial.passes.len()).sum();
         RowCounts { passes, scans: passes }
     }
 
-    /// Simulates all trials; those from one fresh tool to the next run in order, such groups beside each other, unless
-    /// a state of the model outlasts the tool. Returns the passes of each trial.
+    /// Simulates all trials. Trials that share a tool, from one fresh tool to the next, run in order; such groups run
+    /// in parallel, unless a state of the model outlasts the tool. Returns the passes of each trial.
     ///
     /// # Errors
     /// The first trial that fails.
@@ -95,7 +95,7 @@ impl<'a> CampaignSimulation<'a> {
 
     /// As [`CampaignSimulation::run`], but only the first passes of each trial.
     ///
-    /// - `passes`: how many of each trial
+    /// - `passes`: number of passes of each trial
     ///
     /// # Errors
     /// The first trial that fails.

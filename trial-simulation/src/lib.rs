@@ -1,9 +1,9 @@
-//! Finishing trials simulated as they were logged.
+//! Simulation of finishing trials from their logs.
 //!
-//! A [`Simulation`] makes the part of a trial from the scan before, and its passes from the logs; a [`Variation`] says what of
-//! that was otherwise than logged. A [`CampaignSimulation`] runs trials in order, with a tool that wears from one to the
-//! next. A [`SeenSurface`] is what the scanner shows of the part after a pass.
-//! A [`PassPlan`] is a pass that was made, with other settings.
+//! A [`Simulation`] builds the part of a trial from the scan before, and its passes from the logs; a [`Variation`]
+//! changes these inputs. A [`CampaignSimulation`] runs trials in order, with a tool that wears from one to the next. A
+//! [`SeenSurface`] is the surface of the part at the scanner's pixels after a pass. A [`PassPlan`] is an executed pass
+//! with other settings.
 
 mod campaign;
 mod pass_plan;

@@ -1,4 +1,4 @@
-//! A pass that is planned: one that was made, with other settings or on another way.
+//! Planned passes: an executed pass with other settings or on another path.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ use trials::trial::{ExposureMask, HeldTool, Log, LogRow, Pass, PassScan, Role, T
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassPlan {
     pass: Pass,
-    /// Rows of its log in which the tool is pressed on.
+    /// Rows of its log in which the tool is in contact.
     contact: Range<usize>,
 }
 
 impl PassPlan {
-    /// A pass as it was made, with the settings instead of what was logged; `None` where the tool never touched.
+    /// An executed pass with setpoints instead of logged values; `None` if the tool never touched.
     pub fn of(pass: &Pass, tool: &HeldTool) -> Option<Self> {
         let contact = ToolPath::of(&pass.log, tool, pass.force_setpoint).contact?;
         let start = pass.log.rows.first()?.time;
@@ -33,7 +33,7 @@ impl PassPlan {
         Some(Self { pass: Pass { log, scan, role: Role::Calibration, ..pass.clone() }, contact })
     }
 
-    /// At a factor of the force.
+    /// Scales the force by a factor.
     #[must_use]
     pub fn with_force(mut self, factor: f64) -> Self {
         self.pass.force_setpoint *= factor;
@@ -41,7 +41,7 @@ impl PassPlan {
         self
     }
 
-    /// At a factor of the spindle speed.
+    /// Scales the spindle speed by a factor.
     #[must_use]
     pub fn with_spindle(mut self, factor: f64) -> Self {
         self.pass.spindle_speed *= factor;
@@ -49,7 +49,7 @@ impl PassPlan {
         self
     }
 
-    /// At factors of the feed on the first and the second half of the way.
+    /// Scales the feed by factors on the first and the second half of the path.
     #[must_use]
     pub fn with_feed(mut self, [first, second]: [f64; 2]) -> Self {
         let shares = self.shares();
@@ -63,7 +63,7 @@ impl PassPlan {
         self
     }
 
-    /// Travelled backwards.
+    /// Reverses the direction of travel.
     #[must_use]
     pub fn reversed(self) -> Self {
         let rows = self.pressed();
@@ -74,7 +74,7 @@ impl PassPlan {
         Self { pass: Pass { direction, ..turned.pass }, ..turned }
     }
 
-    /// On a part of its way; `None` where fewer rows are left than make a contact.
+    /// A part of the path; `None` if fewer rows are left than make a contact.
     pub fn part(self, shares: Range<f64>) -> Option<Self> {
         let of_way = self.shares();
         let rows = self.pressed().iter().zip(of_way).filter(|(_, share)| shares.contains(share));
@@ -82,7 +82,7 @@ impl PassPlan {
         (rows.len() > 3).then(|| self.along(rows))
     }
 
-    /// Elsewhere on a workpiece [m], as high above its surface; `None` where the tool leaves the scan.
+    /// Shifts the pass on the workpiece [m], at the same height above its surface; `None` if the tool leaves the scan.
     pub fn shifted(mut self, by: DVec2, (tool, surface): (&HeldTool, &HeightMap)) -> Option<Self> {
         let gap = |row: &LogRow| {
             let rows = vec![*row];
@@ -96,7 +96,7 @@ impl PassPlan {
         self.pressed().iter().all(is_on).then_some(self)
     }
 
-    /// With its first row at a time of the clock [s].
+    /// Moves the start of the pass to a time of the clock [s].
     #[must_use]
     pub fn begun_at(mut self, time: f64) -> Self {
         let later = time - self.pass.log.rows[0].time;
@@ -109,7 +109,7 @@ impl PassPlan {
         self.pass.log.rows[self.pass.log.rows.len() - 1].time
     }
 
-    /// The pass with nothing measured.
+    /// The pass without measurements.
     pub fn into_pass(self) -> Pass {
         self.pass
     }
@@ -123,7 +123,7 @@ impl PassPlan {
         rows[rows.len() - 1].time - rows[0].time
     }
 
-    /// Share of the way at each row in contact, from 0 to 1.
+    /// Share of the path at each row in contact, from 0 to 1.
     fn shares(&self) -> Vec<f64> {
         let mut way = vec![0.0];
         for pair in self.pressed().windows(2) {
@@ -145,7 +145,7 @@ impl PassPlan {
         }
     }
 
-    /// The same descent and lift around other rows in contact, whose times count from any moment.
+    /// The same descent and lift-off around other rows in contact, whose times may start at any value.
     fn along(mut self, contact: Vec<LogRow>) -> Self {
         let old = self.pressed();
         let (old_first, old_last) = (old[0], old[old.len() - 1]);
@@ -167,7 +167,7 @@ impl PassPlan {
     }
 }
 
-/// A scan of the same kind and pixels without a measured one.
+/// A scan of the same kind and pixels without measured values.
 fn unmeasured(scan: &PassScan) -> PassScan {
     match scan {
         PassScan::Heights(map) => PassScan::Heights(HeightMap { pixels: map.pixels, heights: Vec::new() }),
@@ -175,7 +175,7 @@ fn unmeasured(scan: &PassScan) -> PassScan {
     }
 }
 
-/// A planned trial without what is still to be measured of its workpiece.
+/// A planned trial without the scans that are still to be measured.
 pub fn without_scans(mut trial: Trial) -> Trial {
     let scans = &mut trial.scans;
     scans.before.heights.clear();

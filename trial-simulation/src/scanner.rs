@@ -1,4 +1,4 @@
-//! The scanner of a trial: what its pixels show of a part, and what it reports of that by a model.
+//! The scanner of a trial: the surface at its pixels, and the scan that it reports under a model.
 
 use effects::{CompiledModel, RunError, StepValues, Variable};
 use sdf_bake::{BrickGrid, PixelGrid};
@@ -6,7 +6,7 @@ use sim::{Profilometer, Topography};
 
 use trials::trial::{ExposureMask, PassScan};
 
-/// What the scanner's pixels show of a part after a pass, before the model's effects on the scanner.
+/// The surface at the scanner's pixels after a pass, before the model's effects on the scanner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenSurface {
     /// Number of the pass in its trial, from 1.
@@ -16,7 +16,7 @@ pub struct SeenSurface {
     shown: Shown,
 }
 
-/// What is scanned after a pass.
+/// Quantity that is scanned after a pass.
 #[derive(Clone, Debug, PartialEq)]
 enum Shown {
     /// After grinding.
@@ -26,7 +26,7 @@ enum Shown {
 }
 
 impl SeenSurface {
-    /// Looks at a part where a trial's scan has pixels.
+    /// Reads a part at the pixels of a trial's scan.
     ///
     /// - `like`: the trial's own scan after the pass
     /// - `pass`, `row`: number of the pass in its trial, from 1; row of parameters per pass or scan, from 0
@@ -43,8 +43,7 @@ impl SeenSurface {
         Self { pass, row, shown }
     }
 
-    /// How far the dose at each pixel is beyond the one from which the model's scanner sees substrate, NaN where there
-    /// is no surface; `None` when grinding.
+    /// Dose minus exposure threshold at each pixel, NaN where there is no surface; `None` for grinding.
     ///
     /// # Errors
     /// A formula that gives no finite number.
@@ -54,7 +53,7 @@ impl SeenSurface {
         Ok(Some(doses.iter().map(|dose| dose - threshold).collect()))
     }
 
-    /// What the scanner's formulas know of the scan.
+    /// Variables of the scanner's formulas for the scan.
     fn step(&self) -> StepValues {
         let mut step = StepValues::new();
         (step.pass_row, step.scan_row) = (self.row, self.row);
@@ -62,10 +61,10 @@ impl SeenSurface {
         step
     }
 
-    /// What the model's scanner reports. Nothing is simulated again, so other values of the scanner's parameters cost
-    /// one run of its formulas over the pixels.
+    /// The scan that the model's scanner reports. It needs no new simulation: other values of the scanner's parameters
+    /// cost one evaluation of its formulas over the pixels.
     ///
-    /// - `model`: the one the pass was simulated with, or the same with other parameter values
+    /// - `model`: that of the simulated pass, or the same with other parameter values
     ///
     /// # Errors
     /// A formula that gives no finite number.
@@ -82,7 +81,7 @@ impl SeenSurface {
     }
 }
 
-/// Share of the pixels with an answer that are exposed.
+/// Share of exposed pixels among those with a value.
 pub fn exposed_share(mask: &ExposureMask) -> f64 {
     let known = mask.exposed.iter().flatten();
     known.clone().filter(|exposed| **exposed).count() as f64 / known.count().max(1) as f64

@@ -1,5 +1,5 @@
-//! A trial simulated: its part made from the scan before, its passes along the logged paths, its scans as the same
-//! instrument would see them.
+//! Simulation of a trial: its part from the scan before, its passes along the logged paths, its scans as reported by
+//! the same instrument.
 
 mod columns;
 mod logged;
@@ -25,112 +25,112 @@ use crate::scanner::{SeenSurface, exposed_share};
 use logged::{LoggedPass, rest};
 use trials::trial::{FrameOffset, Pass, PassScan, Trial, TrialError};
 
-/// Coating that is assumed where a trial does not say [m].
+/// Coating thickness if the trial does not give it [m].
 const COATING: f64 = 50e-6;
 
-/// Steps of all passes of a trial that are accepted: hours of work, at less than a millisecond each.
+/// Maximum number of steps of all passes of a trial: hours of work, at less than a millisecond each.
 const MOST_STEPS: f64 = 3e7;
 
-/// Why a trial cannot be simulated.
+/// Error of a trial that cannot be simulated.
 #[derive(Debug, Error)]
 pub enum SimulationError {
-    /// The scan before does not make a part.
+    /// The scan before gives no valid part.
     #[error("the scan before: {0}")]
     Part(#[from] HeightsError),
-    /// A log is no path.
+    /// A log gives no valid path.
     #[error("the log of pass {pass}: {error}")]
     Path {
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// The fault, with a hint.
+        /// The cause, with a hint.
         error: PathError,
     },
-    /// More steps than end in a time that anyone waits.
+    /// More steps than can be simulated in an acceptable time.
     #[error(
         "the passes take about {steps:.1e} steps, and {MOST_STEPS:.0e} are accepted: a larger voxel, a longer period_s or shorter \
          logs have fewer"
     )]
     TooLong {
-        /// Steps, about.
+        /// Approximate number of steps.
         steps: f64,
     },
     /// A state of an effect that no column of the trial measures.
     #[error(transparent)]
     Column(#[from] Box<TrialError>),
-    /// Somebody wanted no more of it.
+    /// The simulation was stopped by the caller.
     #[error("was stopped")]
     Stopped,
     /// A pass failed.
     #[error("pass {pass}: {error}")]
     Pass {
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Why.
+        /// The cause.
         error: PassError,
     },
     /// A pass failed on the graphics processor.
     #[error("pass {pass}: {error}")]
     Device {
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Why.
+        /// The cause.
         error: sim::gpu::GpuError,
     },
-    /// A formula of the tool's states in a pause.
+    /// A formula of the tool's states failed in a pause.
     #[error("the pause before pass {pass}: {error}")]
     Rest {
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Which formula.
+        /// The formula and the cause.
         error: effects::RunError,
     },
-    /// A formula of the scanner.
+    /// A formula of the scanner failed.
     #[error("the scan after pass {pass}: {error}")]
     Scan {
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Which formula.
+        /// The formula and the cause.
         error: effects::RunError,
     },
 }
 
-/// By how much what was measured of a trial is otherwise than its files say.
+/// Variation of a trial's measured inputs relative to its files.
 #[derive(Clone, Debug, Default)]
 pub struct Variation<'a> {
-    /// Begin and end of its passes.
+    /// Shifts of the beginning and end of its passes.
     pub ends: PassEnds,
     /// Heights to add to the scan before [m]; NaN adds nothing.
     pub before: Option<&'a HeightMap>,
-    /// Place of the logs in the frame of the scans.
+    /// Offset of the logs from the frame of the scans.
     pub frame_offset: FrameOffset,
 }
 
-/// A trial ready to be simulated again and again.
+/// A trial prepared for repeated simulation.
 pub struct Simulation<'a> {
     /// The trial.
     pub trial: &'a Trial,
     /// The part before the first pass.
     pub part: BrickGrid,
-    /// Whether passes also tell what each place of the scanned surface went through.
+    /// True if passes also record the covariates of the scanned surface.
     pub covariates: bool,
-    /// Whether the tool keeps to the logged heights.
+    /// True if the tool follows the logged heights.
     pub replay: bool,
-    /// Place of the logs in the frame of the scans, as the passes are simulated.
+    /// Offset of the logs from the frame of the scans that the simulated passes use.
     pub frame_offset: FrameOffset,
-    /// Where the passes run: a graphics processor, or the CPU.
+    /// Graphics processor on which the passes run; `None` for the CPU.
     pub device: Option<&'a shaders::Device>,
-    /// Where the CPU's time is summed up by phase.
+    /// Timer of the CPU's time by phase.
     pub clock: Option<&'a sim::Clock>,
     passes: Vec<Planned>,
 }
 
-/// A pass ready to be run.
+/// A pass ready to be simulated.
 struct Planned {
     path: Path,
     settings: PassSettings,
     /// Quantities that formulas may read.
     measured: Vec<Measured>,
-    /// Logged force, where it leads the controller.
+    /// Logged force, if the controller follows it.
     force: Option<ForceCourse>,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
@@ -138,19 +138,19 @@ struct Planned {
     rest: f64,
 }
 
-/// What a simulated pass leaves.
+/// Result of a simulated pass.
 #[derive(Clone, Debug)]
 pub struct SimulatedPass {
-    /// Log and figures.
+    /// Log and totals.
     pub record: PassRecord,
-    /// What the instrument's pixels show of the part afterwards: its scan under other parameter values of the scanner
-    /// comes from here.
+    /// Surface of the part at the instrument's pixels after the pass; scans under other parameter values of the scanner
+    /// are computed from it.
     pub surface: SeenSurface,
-    /// What the instrument reports of it.
+    /// The scan that the instrument reports.
     pub scan: PassScan,
-    /// Share of the scanned area whose coating is gone; `None` when grinding.
+    /// Share of the scanned area that is exposed; `None` for grinding.
     pub exposed_share: Option<f64>,
-    /// What each place of the surface went through in this pass, where [`Simulation::covariates`] asks for it.
+    /// Covariates of the surface in this pass, if [`Simulation::covariates`] is true.
     pub covariates: Option<Covariates>,
 }
 
@@ -159,35 +159,36 @@ pub struct SimulatedPass {
 pub struct TrialState {
     /// The workpiece.
     pub part: BrickGrid,
-    /// What the tool remembers.
+    /// States of the tool.
     pub tool: States,
-    /// Passes done.
+    /// Number of completed passes.
     pub passes: usize,
     /// Time since the first pass began [s].
     pub trial_time: f64,
-    /// Passes of the campaign before this trial's first: the row of its per-pass parameters.
+    /// Number of passes of the campaign before this trial's first: the row of its per-pass parameters.
     pub first_row: usize,
 }
 
 impl<'a> Simulation<'a> {
-    /// Makes the part and the paths of a trial.
+    /// Builds the part and the paths of a trial.
     ///
-    /// - `voxel`: of the part's field [m]; the scan's pitch puts every pixel on a lattice line
-    /// - `replay`: keep to the logged heights instead of simulating the controller
+    /// - `voxel`: of the part's field [m]; with the scan's pitch every pixel lies on a lattice line
+    /// - `replay`: follow the logged heights instead of simulating the controller
     ///
     /// # Errors
-    /// [`SimulationError`] when the scan makes no part, a log no path, or a pass cannot be run with this tool on this part.
+    /// [`SimulationError`] if the scan gives no valid part, a log no valid path, or a pass cannot be run with this tool
+    /// on this part.
     pub fn new(trial: &'a Trial, voxel: f64, replay: bool) -> Result<Self, SimulationError> {
         Self::varied(trial, voxel, replay, &Variation::default())
     }
 
-    /// As [`Simulation::new`], where what was measured is a little otherwise.
+    /// As [`Simulation::new`], with a variation of the measured inputs.
     ///
     /// # Errors
     /// As [`Simulation::new`].
     pub fn varied(trial: &'a Trial, voxel: f64, replay: bool, variation: &Variation) -> Result<Self, SimulationError> {
         let tool = &trial.tool.shape;
-        // Before the part is made: voxels far wider than the scan's pixels take long.
+        // Checked before the part is built, which takes long for voxels much wider than the scan's pixels.
         PassSettings::check_voxel(voxel, tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let mut before = trial.scans.checked_before();
@@ -231,7 +232,7 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// The same trial on other voxels [m], or where what was measured is a little otherwise still.
+    /// The same trial on other voxels [m], or with another variation of its measured inputs.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -240,7 +241,7 @@ impl<'a> Simulation<'a> {
         Self::varied(self.trial, voxel, self.replay, &Variation { frame_offset, ..variation.clone() })
     }
 
-    /// Changes how every pass is controlled and stepped.
+    /// Changes the settings of all passes.
     pub fn change_settings(&mut self, change: impl Fn(&mut PassSettings)) {
         self.passes.iter_mut().for_each(|planned| change(&mut planned.settings));
     }
@@ -250,13 +251,13 @@ impl<'a> Simulation<'a> {
         States::new(model, TOOL_CELLS)
     }
 
-    /// Time simulated by all passes after the first `done` [s].
+    /// Simulated time of all passes after the first `done` [s].
     pub fn duration(&self, done: usize) -> f64 {
         self.passes[done..].iter().map(|planned| planned.path.duration()).sum()
     }
 
-    /// The trial before its first pass. The tool carries its states from trial to trial unless this one begins with a
-    /// fresh one.
+    /// State of the trial before its first pass. The tool keeps its states from the previous trial unless this one
+    /// begins with a fresh tool.
     ///
     /// - `first_row`: see [`TrialState::first_row`]
     pub fn start(&self, model: &CompiledModel, mut tool: States, first_row: usize) -> TrialState {
@@ -267,10 +268,10 @@ impl<'a> Simulation<'a> {
         TrialState { part: self.part.clone(), tool, passes: 0, trial_time: 0.0, first_row }
     }
 
-    /// Simulates all passes with a tool that remembers `states`. Returns the passes and the part after them.
+    /// Simulates all passes with a tool in the given `states`. Returns the passes and the part after them.
     ///
     /// # Errors
-    /// [`SimulationError`] when a pass fails.
+    /// [`SimulationError`] if a pass fails.
     pub fn run(
         &self,
         model: &CompiledModel,
@@ -284,7 +285,7 @@ impl<'a> Simulation<'a> {
     /// As [`Simulation::run`], but only the first passes.
     ///
     /// # Errors
-    /// [`SimulationError`] when a pass fails.
+    /// [`SimulationError`] if a pass fails.
     pub fn run_first(
         &self,
         passes: usize,
@@ -302,7 +303,7 @@ impl<'a> Simulation<'a> {
     /// Simulates the next pass of a trial.
     ///
     /// # Errors
-    /// [`SimulationError`] when it fails; `state` then holds the last good one.
+    /// [`SimulationError`] if it fails; `state` then holds the last good state.
     ///
     /// # Panics
     /// If all passes are done.
@@ -329,7 +330,7 @@ impl<'a> Simulation<'a> {
         Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
     }
 
-    /// The pass that a state is before.
+    /// The next pass from a state.
     fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
         let Planned { path, settings, measured, force, approach, rest } = &self.passes[state.passes];
         sim::Pass {
@@ -344,20 +345,20 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The pause before a pass.
+    /// Advances the tool's states over the pause before a pass.
     fn rest(&self, pass: &sim::Pass, tool: &mut States) -> Result<(), SimulationError> {
         let rest = self.passes[pass.number - 1].rest;
         sim::rest(pass, tool, rest).map_err(|error| SimulationError::Rest { pass: pass.number, error })
     }
 
-    /// Counts a pass that is done.
+    /// Counts a completed pass.
     fn count(&self, state: &mut TrialState) {
         let Planned { path, rest, .. } = &self.passes[state.passes];
         state.trial_time += rest + path.duration();
         state.passes += 1;
     }
 
-    /// What of the trial a graphics processor does not run; `None` where it runs all of it.
+    /// Names the feature of the trial that the GPU does not support; `None` if it supports all.
     pub fn refusal(&self, model: &CompiledModel) -> Option<String> {
         if self.covariates {
             return Some("maps of what each place goes through".to_owned());
@@ -368,7 +369,7 @@ impl<'a> Simulation<'a> {
     /// The last pass of a state, with its scan.
     ///
     /// # Errors
-    /// [`SimulationError::Scan`] when a formula of the scanner fails.
+    /// [`SimulationError::Scan`] if a formula of the scanner fails.
     pub fn seen(
         &self,
         model: &CompiledModel,

@@ -1,15 +1,15 @@
-//! Units of columns: those of effect files, degrees Celsius, and those that the name of a column ends with.
+//! Units of columns: those of effect files, degrees Celsius, and unit suffixes of column names.
 
 use effects::{Dimension, Unit};
 use files::input::without_content;
 
-/// Unit of a spindle speed that means turns.
+/// Unit of a spindle speed that means revolutions per second.
 const TURNS_A_SECOND: &str = "Hz";
 /// Zero of the Celsius scale [K].
 const CELSIUS: f64 = 273.15;
 /// Names of degrees Celsius.
 const CELSIUS_NAMES: [&str; 3] = ["°C", "degC", "C"];
-/// Ends of names that are a unit, the longest first.
+/// Unit suffixes of column names, the longest first.
 const ENDS: [(&str, &str); 23] = [
     ("_mm_s", "mm/s"),
     ("_m_s", "m/s"),
@@ -40,9 +40,9 @@ const ENDS: [(&str, &str); 23] = [
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColumnUnit {
     unit: Unit,
-    /// Number of such units in one of the file.
+    /// Factor from the file's values to `unit`.
     times: f64,
-    /// Value [SI] of zero in the file.
+    /// SI value of the file's zero.
     zero: f64,
 }
 
@@ -55,7 +55,7 @@ impl ColumnUnit {
         Ok(Self { unit, times: 1.0, zero: 0.0 })
     }
 
-    /// The unit of a spindle speed, of which `Hz` means turns.
+    /// Parses the unit of a spindle speed, where `Hz` means revolutions per second.
     pub(crate) fn parse_spindle(text: &str) -> Result<Self, String> {
         if text == TURNS_A_SECOND { Ok(Self { times: 60.0, ..Self::parse("rpm")? }) } else { Self::parse(text) }
     }
@@ -64,18 +64,18 @@ impl ColumnUnit {
         self.unit.dimension
     }
 
-    /// A value in the file [SI].
+    /// Converts a value of the file to SI.
     pub(crate) fn to_si(self, value: f64) -> f64 {
         self.unit.to_si(self.times * value) + self.zero
     }
 
-    /// SI value of one unit, and of zero in the file.
+    /// SI value of one unit, and of the file's zero.
     pub(crate) fn scale(self) -> (f64, f64) {
         (self.unit.to_si(self.times), self.zero)
     }
 }
 
-/// The name of a column without the unit that it ends with, and that unit; a plain number where it ends with none.
+/// Splits a column name into the name and its unit suffix; the unit is that of a plain number if there is no suffix.
 pub(crate) fn named_unit(name: &str) -> (&str, &'static str) {
     let lower = name.to_ascii_lowercase();
     let found = ENDS.into_iter().find(|(end, _)| lower.len() > end.len() && lower.ends_with(end));
@@ -88,7 +88,7 @@ pub(crate) fn quantity(text: &str) -> Option<(f64, ColumnUnit)> {
     Some((number, ColumnUnit::parse(unit).ok()?))
 }
 
-/// A number and the text of its unit, which is `1` where there is none; nothing of text that begins with no number.
+/// Splits a text into a number and its unit, `1` if there is none; `None` if the text does not begin with a number.
 pub(crate) fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let (number, unit) =

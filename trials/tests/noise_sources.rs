@@ -1,4 +1,4 @@
-//! The noise of trials without a repeated scan, held against what their repeated scans show.
+//! The noise of trials without a repeated scan, compared with that of their repeated scans.
 
 #[path = "../../tests/common/shared_folder.rs"]
 mod shared_folder;
@@ -9,7 +9,7 @@ use shared_folder::shared;
 use trials::measure::{NoiseSource, ScanNoise};
 use trials::trial::{Campaign, Trial};
 
-/// Campaigns in which surfaces were ground: the bundled one and those of another laboratory.
+/// Campaigns with ground surfaces: the bundled one and those of another laboratory.
 fn campaigns() -> Vec<Campaign> {
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/campaigns/first-look");
     let foreign = shared("campaigns").into_iter().flat_map(|folder| ["open-a", "open-e"].map(|name| folder.join(name)));

@@ -1,10 +1,10 @@
-//! Files that are no log that is read, known by their first bytes: the error says how to convert them.
+//! Known formats that are not supported, recognised by their first bytes: the error explains how to convert them.
 
 use std::path::Path;
 
 use crate::misread::{Misread, Place};
 
-/// First bytes, name of the format, and what to do with it.
+/// First bytes, name of the format, and how to convert it.
 const FOREIGN: [(&[u8], &str, &str); 8] = [
     (b"#ROSBAG V", "a bag of ROS 1", "a bag of ROS 2 is expected; `rosbags-convert` makes one"),
     (b"PK\x03\x04", "a ZIP archive or a workbook of a spreadsheet", "the sheet saved as CSV is expected"),
@@ -16,7 +16,7 @@ const FOREIGN: [(&[u8], &str, &str); 8] = [
     (b"TDSm", "a TDMS file", "the table saved as CSV is expected"),
 ];
 
-/// Refuses a file of a format that is known and not read.
+/// Refuses a file of a known format that is not supported.
 pub(super) fn refuse(file: &Path, bytes: &[u8]) -> Result<(), Misread> {
     match FOREIGN.into_iter().find(|(start, ..)| bytes.starts_with(start)) {
         Some((_, found, accepted)) => Err(Place::file(file).bad(format!("the file is {found}"), accepted)),

@@ -1,8 +1,8 @@
-//! Logs as robots, sensors and people write them: named channels of numbers, before anybody says what they mean.
+//! Logs of robots, sensors and people: named channels of numbers, without interpretation.
 //!
-//! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content. A format is a file or a
-//! folder here with one type behind `Format`; adding one is a module and a line. [`guess`] says which channel may be
-//! which quantity of a pass, and why.
+//! [`read`] tests the formats in `FORMATS` in turn, by the file's content. A format is a file or a folder here with one
+//! type that implements `Format`; adding one takes a module and a line. [`guess`] guesses the quantity of each channel,
+//! with a reason.
 //!
 //! ```
 //! use std::path::Path;
@@ -32,17 +32,17 @@ pub use guess::{Guesses, guess};
 pub(crate) use text::{decode, lines};
 pub(crate) use unit::split as split_unit;
 
-/// Values that a log may hold: 1 GiB of them.
+/// Maximum number of values of a log: 1 GiB of them.
 const MOST_VALUES: usize = 1 << 27;
-/// Channels that a log may have.
+/// Maximum number of channels of a log.
 const MOST_CHANNELS: usize = 4096;
 
-/// The formats in the order in which they are asked; delimited text, which any text may be, comes last.
+/// The formats in the order in which they are tested; delimited text, which any text may be, comes last.
 const FORMATS: [&dyn Format; 5] = [&bag::Mcap, &bag::Db3, &diadem::Diadem, &rsi::Rsi, &delimited::Delimited];
 
 /// A file format of logs.
 trait Format: Sync {
-    /// Name for people.
+    /// Name for messages.
     fn name(&self) -> &'static str;
 
     /// True if a file is of this format.
@@ -57,18 +57,18 @@ trait Format: Sync {
 pub struct Channels {
     /// Name of the file's format.
     pub format: &'static str,
-    /// Names as the file writes them, each once; `topic/field` in bags.
+    /// Names in the file, made unique; `topic/field` in bags.
     pub names: Vec<String>,
-    /// Unit of each channel, `None` where the file gives none. Known units have one spelling: `s`, `ms`, `us`, `ns`, `m`,
-    /// `mm`, `um`, `N`, `kN`, `Nm`, `rpm`, `rad/s`, `rad`, `deg`, `mm/s`, `m/s`, `°C`, `K`. Others stand as written.
+    /// Unit of each channel, `None` if the file gives none. Known units have one spelling: `s`, `ms`, `us`, `ns`, `m`,
+    /// `mm`, `um`, `N`, `kN`, `Nm`, `rpm`, `rad/s`, `rad`, `deg`, `mm/s`, `m/s`, `°C`, `K`. Others are kept as written.
     pub units: Vec<Option<String>>,
-    /// Values in the file's units, one list for each name, each as long as `lines`; NaN where nothing was measured.
+    /// Values in the file's units, one list for each name, each as long as `lines`; NaN for missing values.
     pub values: Vec<Vec<f64>>,
-    /// Where each row stands: line of a text, number of a message in a bag, both from 1.
+    /// Position of each row: line of a text, or number of a message in a bag, both from 1.
     pub lines: Vec<u64>,
-    /// Names of columns that hold text and are left out.
+    /// Names of text columns, which are left out.
     pub text: Vec<String>,
-    /// Sentences on the reading, where it is not the plain case.
+    /// Notes on the interpretation of unusual files.
     pub notes: Vec<String>,
 }
 
@@ -78,17 +78,17 @@ impl Channels {
         self.lines.len()
     }
 
-    /// The values of the channel of exactly this name.
+    /// The values of the channel with exactly this name.
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
         let at = self.names.iter().position(|other| other == name)?;
         self.values.get(at).map(Vec::as_slice)
     }
 
-    /// Adds a channel. A name that is there already gets a number.
+    /// Adds a channel. A duplicate name gets a number.
     fn push(&mut self, name: &str, unit: Option<String>, values: Vec<f64>) {
         let mut own = name.to_owned();
         let is_there = self.names.contains(&own);
-        // A first try above all copies so far: there may be thousands.
+        // Start above the number of existing copies, because there may be thousands.
         let mut copy = if is_there { self.names.iter().filter(|other| other.starts_with(name)).count() } else { 1 };
         while self.names.contains(&own) {
             copy += 1;
@@ -103,27 +103,27 @@ impl Channels {
     }
 }
 
-/// Reads a log. Of a DIAdem header it reads the files of values beside it, too.
+/// Reads a log. For a DIAdem header, also reads the files of values beside it.
 ///
 /// # Errors
-/// [`Misread`] with the place in the file: no format that is read, or content that is not what the format says.
+/// [`Misread`] with the place in the file: an unsupported format, or content that does not follow the format.
 pub fn read(file: &Path, bytes: &[u8]) -> Result<Channels, Misread> {
     foreign::refuse(file, bytes)?;
     let last: &dyn Format = &delimited::Delimited;
     FORMATS.into_iter().find(|format| format.recognises(bytes)).unwrap_or(last).read(file, bytes)
 }
 
-/// Reads delimited text that has been decoded.
+/// Reads decoded delimited text.
 pub(crate) fn read_text(file: &Path, text: &str) -> Result<Channels, Misread> {
     delimited::read(file, text, Vec::new())
 }
 
-/// Names of the formats that are read.
+/// Names of the supported formats.
 pub fn formats() -> impl Iterator<Item = &'static str> {
     FORMATS.into_iter().map(|format| format.name())
 }
 
-/// Checks how many values a log would hold.
+/// Checks the number of values of a log.
 fn check_size(place: Place, channels: usize, rows: usize) -> Result<(), Misread> {
     if channels > MOST_CHANNELS {
         return Err(place.bad(format!("{channels} channels"), format!("at most {MOST_CHANNELS} are accepted")));

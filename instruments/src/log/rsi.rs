@@ -1,5 +1,6 @@
-//! Streams of KUKA's Robot Sensor Interface: a `<Rob>` of XML for every cycle, one behind the other, as programs store what
-//! the controller sends. Source: KUKA, "KUKA.RobotSensorInterface", section on the Ethernet object and its XML strings.
+//! Streams of KUKA's Robot Sensor Interface: one XML element `<Rob>` per cycle, concatenated, as programs store the
+//! controller's messages. Source: KUKA, "KUKA.RobotSensorInterface", section on the Ethernet object and its XML
+//! strings.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -12,15 +13,15 @@ use crate::misread::{Misread, Place};
 
 const OPEN: &str = "<Rob";
 const CLOSE: &str = "</Rob>";
-/// Bytes in which the first frame is looked for.
+/// Number of bytes in which the first frame is searched for.
 const HEAD: usize = 1 << 16;
-/// Bytes that a frame may have; a datagram has fewer.
+/// Maximum number of bytes of a frame; a datagram has fewer.
 const LONGEST_FRAME: usize = 1 << 16;
 
 /// A stream of the Robot Sensor Interface.
 pub(super) struct Rsi;
 
-/// Values by name, as frames come.
+/// Values by name while frames are read.
 #[derive(Default)]
 struct Frames {
     index: HashMap<String, usize>,
@@ -116,7 +117,7 @@ impl Frames {
         });
         check_size(place.clone(), self.names.len(), row + 1)?;
         let values = &mut self.values[column];
-        // Of a value that stands twice in a frame the first is taken.
+        // If a value occurs twice in a frame, the first one is used.
         if values.len() <= row {
             values.resize(row, f64::NAN);
             values.push(if value.is_finite() { value } else { f64::NAN });

@@ -1,14 +1,14 @@
-//! The text of a log and its lines, whatever encoding and line ends it has.
+//! Decoding of a log's text in any encoding, and its lines with any line ends.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use crate::misread::{Misread, Place};
 
-/// Bytes that a line may have.
+/// Maximum number of bytes of a line.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// Text of a file, and what was odd about its encoding.
+/// Text of a file, and notes on its encoding.
 pub(crate) fn decode<'a>(file: &Path, bytes: &'a [u8]) -> Result<(Cow<'a, str>, Vec<String>), Misread> {
     const ACCEPTED: &str = "a log in text is expected";
     let mut notes = Vec::new();
@@ -21,7 +21,7 @@ pub(crate) fn decode<'a>(file: &Path, bytes: &'a [u8]) -> Result<(Cow<'a, str>, 
     if text.trim().is_empty() {
         return Err(Place::file(file).bad("the file is empty", ACCEPTED));
     }
-    // A mark of DOS for the end of a file is the only other control character of text.
+    // The end-of-file character of DOS is the only other control character in texts.
     let odd = |c: char| c.is_ascii_control() && !"\t\r\n\u{c}\u{1a}".contains(c);
     if let Some(at) = text.find(odd) {
         let found = format!("the character {:?}, which no text has", text[at..].chars().next().unwrap_or_default());
@@ -46,14 +46,14 @@ fn eight_bits<'a>(bytes: &'a [u8], notes: &mut Vec<String>) -> Cow<'a, str> {
     }
 }
 
-/// Lines with their numbers from 1, without their ends.
+/// Lines without their ends, numbered from 1.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     let trim = |line| str::trim_end_matches(line, ['\r', '\u{1a}', '\u{c}']);
     text.split(end).enumerate().map(move |(k, line)| (k as u64 + 1, trim(line)))
 }
 
-/// Refuses lines that no log has.
+/// Refuses lines longer than in any log.
 pub(super) fn check_lines(file: &Path, text: &str) -> Result<(), Misread> {
     match lines(text).find(|(_, line)| line.len() > LONGEST_LINE) {
         Some((number, line)) => {

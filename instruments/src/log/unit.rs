@@ -1,6 +1,6 @@
-//! Units as headers write them.
+//! Units in headers.
 
-/// One spelling of a unit, and other spellings in lower case.
+/// Canonical spelling of a unit, and other spellings in lower case.
 const UNITS: [(&str, &[&str]); 26] = [
     ("s", &["sec", "secs", "second", "seconds", "sek", "sekunden"]),
     ("ms", &["msec", "millisec", "milliseconds", "millis"]),
@@ -32,16 +32,17 @@ const UNITS: [(&str, &[&str]); 26] = [
     ("%", &["pct", "percent"]),
     ("kg", &[]),
 ];
-/// Units that may stand behind the last underscore of a name; `min` there is a minimum, and single letters are names.
+/// Units that may follow the last underscore of a name. `min` is excluded because it means a minimum, single letters
+/// because they are names.
 const SUFFIXES: [&str; 25] = [
     "s", "sec", "ms", "us", "ns", "nsec", "m", "mm", "um", "n", "kn", "rpm", "rad_s", "rad", "deg_s", "deg", "mm_s",
     "m_s", "degc", "deg_c", "celsius", "kelvin", "hz", "pct", "newton",
 ];
 
-/// The one spelling of a unit, if it is known.
+/// The canonical spelling of a unit, if it is known.
 pub(super) fn known(text: &str) -> Option<&'static str> {
     let text = text.trim();
-    // Nanometres and newton metres differ by a capital alone.
+    // Nanometres and newton metres differ only in a capital.
     if text == "nm" {
         return None;
     }
@@ -52,7 +53,7 @@ pub(super) fn known(text: &str) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
-/// True where a unit longer than a letter is meant, in any case of its letters.
+/// True if a unit longer than a letter matches, ignoring case.
 fn is_same(unit: &str, lower: &str) -> bool {
     unit.len() > 1 && unit != "Nm" && unit.to_lowercase() == *lower
 }
@@ -63,13 +64,13 @@ pub(super) fn of_cell(cell: &str) -> Option<String> {
     (!inner.is_empty() && inner != "-").then(|| known(inner).map_or_else(|| inner.to_owned(), str::to_owned))
 }
 
-/// True for a cell that says a unit or nothing.
+/// True for a cell that contains a unit or is empty.
 pub(super) fn is_unit_cell(cell: &str) -> bool {
     let is_bracket = bracketed(cell, true).is_some_and(|(base, _)| base.is_empty());
     cell.is_empty() || cell == "-" || cell == "1" || is_bracket || known(cell).is_some()
 }
 
-/// The name in a header's cell without its unit, and the unit.
+/// Splits a header cell into its name and its unit.
 pub(crate) fn split(header: &str) -> (&str, Option<String>) {
     let header = header.trim();
     if let Some((base, inner)) = bracketed(header, false).filter(|(base, _)| !base.is_empty()) {
@@ -98,7 +99,7 @@ pub(crate) fn split(header: &str) -> (&str, Option<String>) {
     }
 }
 
-/// Text before the brackets at the end, and the text in them.
+/// Text before trailing brackets, and the text in them.
 fn bracketed(text: &str, may_be_empty: bool) -> Option<(&str, &str)> {
     let open = match text.trim_end().chars().last()? {
         ']' => '[',
@@ -113,7 +114,7 @@ fn bracketed(text: &str, may_be_empty: bool) -> Option<(&str, &str)> {
     (may_be_empty || !inner.trim().is_empty()).then_some((base.trim(), inner.trim()))
 }
 
-/// True where brackets hold an index, as in `pose[0]`, and no unit.
+/// True if brackets contain an index, as in `pose[0]`, instead of a unit.
 fn is_index(inner: &str) -> bool {
     inner.chars().all(|c| c.is_ascii_digit()) || matches!(inner, "x" | "y" | "z" | "X" | "Y" | "Z")
 }

@@ -1,5 +1,5 @@
-//! The KUKA Robot Language. Sources: KUKA System Software 8.x, Operating and Programming Instructions for System Integrators,
-//! and KUKA, "Expert Programming", chapters on motion and on the types `FRAME`, `POS` and `E6POS`.
+//! The KUKA Robot Language. Sources: KUKA System Software 8.x, Operating and Programming Instructions for System
+//! Integrators, and KUKA, "Expert Programming", chapters on motion and on the types `FRAME`, `POS` and `E6POS`.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use crate::misread::Misread;
 
 const ACCEPTED: &str = "LIN and PTP with a pose or the name of one, declarations, $VEL.CP and instructions that move nothing \
                         are accepted";
-/// Components of a pose in their order.
+/// Components of a pose in order.
 const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
-/// Instructions that move nothing and change no path, by their first word.
+/// Instructions without effect on the path, by their first word.
 const HARMLESS: [&str; 26] = [
     "DEF",
     "END",
@@ -50,7 +50,7 @@ const HARMLESS: [&str; 26] = [
 /// The KUKA Robot Language.
 pub(super) struct Krl;
 
-/// X, Y, Z [mm], A, B, C [degrees]; `None` where it keeps what it was.
+/// X, Y, Z [mm], A, B, C [degrees]; `None` for a component that keeps its value.
 type Pose = [Option<f64>; 6];
 
 impl Format for Krl {
@@ -117,16 +117,16 @@ impl Format for Krl {
     }
 }
 
-/// State as the lines come.
+/// State while the lines are read.
 struct Robot<'a> {
     reading: Reading<'a>,
-    /// By names in upper case; `None` where a name stands for joint angles.
+    /// Poses by upper-case name; `None` for joint angles.
     poses: BTreeMap<String, Option<Pose>>,
     last: Pose,
     feed: Option<f64>,
     /// The last settings of `$BASE` and `$TOOL`.
     frames: BTreeMap<String, String>,
-    /// Tool and base of `FDAT` data by their names in upper case.
+    /// Tool and base of `FDAT` data by upper-case name.
     frame_data: BTreeMap<String, String>,
 }
 
@@ -165,7 +165,7 @@ impl Robot<'_> {
                 None => Ok(()),
             },
             word if HARMLESS.contains(&word) => Ok(()),
-            // Other settings of the controller; those of a frame's component would be offsets.
+            // Other settings of the controller; assignments to a component of a frame would be offsets.
             word if word.starts_with('$') && !word.starts_with("$BASE") && !word.starts_with("$TOOL") => Ok(()),
             word => self.assign(word, &mut reader, (line, number)),
         }
@@ -238,7 +238,7 @@ impl Robot<'_> {
         Ok(())
     }
 
-    /// Numbers of tool and base behind `FDAT_ACT=`.
+    /// Numbers of tool and base after `FDAT_ACT=`.
     fn frame_data(&self, reader: &mut Reader) -> Option<String> {
         reader.sign('=').then_some(())?;
         match reader.rest {
@@ -247,7 +247,7 @@ impl Robot<'_> {
         }
     }
 
-    /// `BAS(#CP_PARAMS,0.05)` and `BAS(#VEL_CP,0.05)` set the speed along lines; others set nothing of a path.
+    /// `BAS(#CP_PARAMS,0.05)` and `BAS(#VEL_CP,0.05)` set the speed along lines; other calls do not affect the path.
     fn basic(&mut self, tokens: &[Token]) {
         let [_, Token::Sign('('), Token::Sign('#'), Token::Word(what), Token::Sign(','), Token::Number(value), ..] =
             tokens
@@ -287,7 +287,7 @@ impl Robot<'_> {
         }
     }
 
-    /// The pose of a name: `Some(None)` for joint angles.
+    /// The pose with this name: `Some(None)` for joint angles.
     fn named(&self, name: &str, number: u64) -> Result<Option<Option<Pose>>, Misread> {
         let upper = name.to_ascii_uppercase();
         if ["HOME", "XHOME", "$AXIS_ACT", "$H_POS"].contains(&upper.as_str()) {
@@ -318,7 +318,8 @@ impl Robot<'_> {
     }
 }
 
-/// `{X 1,Y 2,…}` with an optional type before it: a pose, `Some(None)` for joint angles; `None` where it is neither.
+/// Reads `{X 1,Y 2,…}` with an optional type before it: a pose, or `Some(None)` for joint angles; `None` for anything
+/// else.
 fn aggregate(reader: &mut Reader) -> Option<Option<Pose>> {
     if !reader.sign('{') {
         return None;
@@ -334,7 +335,7 @@ fn aggregate(reader: &mut Reader) -> Option<Option<Pose>> {
             Some(component) if pose[component].is_none() => pose[component] = Some(value),
             Some(_) => return None,
             None if is_axis(&name) => is_joint = true,
-            // Status and turn choose among the robot's postures; external axes move the part.
+            // Status and turn select the robot's configuration; external axes move the part.
             None if matches!(name.as_str(), "S" | "T") => {}
             None if name.starts_with('E') && value == 0.0 => {}
             None => return None,
@@ -365,7 +366,7 @@ fn frame_numbers(tokens: &[Token]) -> String {
     shown.join(" ").trim().to_owned()
 }
 
-/// The speed behind `WITH` of a spline motion: `$VEL.CP=0.2` or `$VEL=SVEL_CP(0.2, …)` [m/s].
+/// The speed after `WITH` of a spline motion: `$VEL.CP=0.2` or `$VEL=SVEL_CP(0.2, …)` [m/s].
 fn spline_speed(tokens: &[Token]) -> Option<f64> {
     let is = |word: &str, wanted: &str| word.eq_ignore_ascii_case(wanted);
     let plain = tokens.windows(3).find_map(|part| match part {

@@ -1,9 +1,10 @@
-//! Tool paths in the languages of machines and robots: points, speeds and times, read and written.
+//! Reading and writing of tool paths in the languages of machines and robots: points, speeds and times.
 //!
-//! [`read`] takes straight programs. Nothing is executed: a loop, a call or an offset on the path is refused by its line,
-//! words that move nothing are passed over, and notes say which. [`write`](write()) writes what [`read`] understands.
+//! [`read`] accepts straight-line programs and executes nothing: a loop, a call or an offset in the path is refused
+//! with its line. Instructions without motion are skipped, and notes list them. [`write`](write()) writes programs that
+//! [`read`] understands.
 //!
-//! A rotation turns the axes of the tool into those of the program's frame. The tool's z axis points out of the robot's
+//! A rotation maps the axes of the tool to those of the program's frame. The tool's z axis points out of the robot's
 //! flange, into the part.
 //!
 //! ```
@@ -38,33 +39,33 @@ use crate::misread::Misread;
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Place of the tool in the program's frame [m].
+    /// Position of the tool in the program's frame [m].
     pub position: DVec3,
-    /// Turns the tool's axes into the program's frame, unit; `None` where the program gives none.
+    /// Rotation from the tool's axes to the program's frame, unit; `None` if the program gives none.
     pub rotation: Option<DQuat>,
-    /// Speed along the way to this point [m/s]; `None` in a rapid move, or where the program gives none.
+    /// Speed along the line to this point [m/s]; `None` for a rapid move, or if the program gives none.
     pub feed: Option<f64>,
-    /// When it is reached [s].
+    /// Time of arrival [s].
     pub time: Option<f64>,
-    /// Spindle speed [rad/s], negative where it turns counter-clockwise (`M4`); `None` where the program says nothing.
+    /// Spindle speed [rad/s], negative for counter-clockwise (`M4`); `None` if the program gives none.
     pub spindle: Option<f64>,
     /// Line of the file, from 1.
     pub line: u64,
 }
 
-/// A path as a program gives it.
+/// A path read from a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
     /// Name of the language.
     pub format: &'static str,
-    /// Points in the order in which they are reached.
+    /// Points in the order of the path.
     pub points: Vec<Point>,
-    /// Sentences on what was understood and what was passed over.
+    /// Notes on the interpretation, and on skipped lines.
     pub notes: Vec<String>,
 }
 
 impl Program {
-    /// Its size for people, in a line.
+    /// Its size in one line, for messages.
     pub fn summary(&self) -> String {
         let way: f64 = self.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
         format!("{} points, {:.2} mm of way", self.points.len(), way * 1e3)
@@ -74,7 +75,7 @@ impl Program {
 /// A language of programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
-    /// ISO 6983, as RS274/NGC and LinuxCNC have it.
+    /// ISO 6983, in the dialects of RS274/NGC and LinuxCNC.
     GCode,
     /// The KUKA Robot Language.
     Krl,
@@ -86,7 +87,7 @@ pub enum Language {
     PoseList,
 }
 
-/// Where w stands in a quaternion of four numbers.
+/// Position of w in a quaternion of four numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuaternionOrder {
     /// `w x y z`.
@@ -95,46 +96,46 @@ pub enum QuaternionOrder {
     WLast,
 }
 
-/// Choices for what a file does not say.
+/// Settings for values that a file does not give.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadOptions<'a> {
-    /// Farthest that a straight line may lie from an arc [m].
+    /// Largest distance between a straight line and its arc [m].
     pub chord_tolerance: f64,
     /// Order of quaternions in pose lists whose header does not give it.
     pub quaternions: Option<QuaternionOrder>,
-    /// SI value of one unit of length in pose lists whose header gives none [m].
+    /// SI value of one unit of length in pose lists whose header gives no unit [m].
     pub length_unit: Option<f64>,
-    /// Content of the `.dat` beside a `.src` of KRL.
+    /// Content of the `.dat` file that belongs to a KRL `.src` file.
     pub declarations: Option<&'a [u8]>,
 }
 
-/// Why a path cannot be written in a language.
+/// Error of a path that cannot be written in a language.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum WriteError {
-    /// No point.
+    /// The path has no points.
     #[error("the path has no point; at least one is expected")]
     Empty,
-    /// A number that is none.
+    /// A number that is not finite.
     #[error("point {point} has a number that is not finite")]
     NotFinite {
         /// Index of the point.
         point: usize,
     },
-    /// An orientation that is needed or cannot be said.
+    /// A missing required orientation, or one that the language cannot express.
     #[error("point {point} {found}; {accepted}")]
     Rotation {
         /// Index of the point.
         point: usize,
-        /// Its property.
+        /// Description of the orientation.
         found: &'static str,
-        /// The language's demand.
+        /// Requirement of the language.
         accepted: &'static str,
     },
 }
 
 /// A language's reader and writer.
 trait Format: Sync {
-    /// Name for people.
+    /// Name for messages.
     fn name(&self) -> &'static str;
 
     /// True if a text is in this language.
@@ -143,11 +144,11 @@ trait Format: Sync {
     /// Reads the points of a text.
     fn read(&self, source: &Source) -> Result<Program, Misread>;
 
-    /// Writes points that have been checked.
+    /// Writes validated points.
     fn write(&self, points: &[Point]) -> Result<String, WriteError>;
 }
 
-/// A text that is to be read.
+/// A text to be read.
 struct Source<'a> {
     file: &'a Path,
     text: &'a str,
@@ -161,10 +162,10 @@ impl Default for ReadOptions<'_> {
 }
 
 impl Language {
-    /// In the order in which a file is looked at; rows of numbers come last.
+    /// In the order in which a file is tested; rows of numbers come last.
     pub const ALL: [Self; 5] = [Self::Rapid, Self::Krl, Self::UrScript, Self::GCode, Self::PoseList];
 
-    /// Name for people.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         self.format().name()
     }
@@ -179,7 +180,7 @@ impl Language {
         }
     }
 
-    /// The language in which programs have an extension: `nc`, `ngc`, `gcode`, `src`, `mod`, `script` or `pose`.
+    /// The language of programs with an extension: `nc`, `ngc`, `gcode`, `src`, `mod`, `script` or `pose`.
     pub fn of_extension(extension: &str) -> Option<Self> {
         Some(match extension.to_ascii_lowercase().as_str() {
             "nc" | "ngc" | "gcode" => Self::GCode,
@@ -200,7 +201,7 @@ impl Language {
 /// Reads a program in the language of its content.
 ///
 /// # Errors
-/// [`Misread`] with the line: no text, a word that is not understood, control flow or an offset on the path, no point.
+/// [`Misread`] with the line: not a text, an unknown word, control flow or an offset in the path, no points.
 pub fn read(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Program, Misread> {
     let (text, notes) = log::decode(file, bytes)?;
     let mut program = Language::of(&text).format().read(&Source { file, text: &text, options })?;
@@ -208,13 +209,13 @@ pub fn read(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Program,
     Ok(program)
 }
 
-/// Writes points as a program that [`read`] reads back to the digits that are printed.
+/// Writes points as a program; [`read`] reads them back to the printed precision.
 ///
-/// Positions have 0.1 µm, angles 10⁻⁴ degrees or 10⁻⁷ rad, quaternions 9 digits. Times stand in pose lists alone, spindle
-/// speeds in G-code and pose lists alone.
+/// Positions have a resolution of 0.1 µm, angles 10⁻⁴ degrees or 10⁻⁷ rad, quaternions 9 digits. Times are written only
+/// in pose lists, spindle speeds only in G-code and pose lists.
 ///
 /// # Errors
-/// [`WriteError`] where a language lacks what a point has, or needs what it lacks.
+/// [`WriteError`] if a language cannot express a property of a point, or requires one that it lacks.
 pub fn write(points: &[Point], language: Language) -> Result<String, WriteError> {
     if points.is_empty() {
         return Err(WriteError::Empty);

@@ -1,4 +1,4 @@
-//! Rows of numbers: positions, and rotations as quaternions, rotation vectors or angles, named by a header.
+//! Rows of numbers: positions, and rotations as quaternions, rotation vectors or angles, identified by a header.
 
 use glam::{DQuat, DVec3};
 
@@ -9,18 +9,18 @@ use super::{Format, Point, Program, QuaternionOrder, Source, WriteError};
 use crate::log::{self, Channels};
 use crate::misread::{Misread, Place};
 
-/// Coordinates without a unit are metres up to here.
+/// Largest coordinate that counts as metres without a unit.
 const PLAUSIBLE: f64 = 20.0;
 const RPM: f64 = std::f64::consts::TAU / 60.0;
 const ACCEPTED: &str = "columns x, y, z with qx, qy, qz, qw, or rx, ry, rz, or a, b, c are expected";
 
-/// Names of columns that are near to those that are read.
+/// Known column names, for suggestions in errors.
 const KNOWN: [&str; 12] = ["x", "y", "z", "qx", "qy", "qz", "qw", "pos_x", "position_x", "feed", "time", "spindle"];
 
 /// Rows of numbers.
 pub(super) struct PoseList;
 
-/// Columns by what they hold.
+/// Columns by their quantity.
 struct Columns {
     position: [usize; 3],
     rotation: Rotation,
@@ -29,7 +29,7 @@ struct Columns {
     spindle: Option<usize>,
 }
 
-/// Form of rotations in the columns.
+/// Form of the rotations.
 enum Rotation {
     None,
     /// x, y, z, w.
@@ -107,7 +107,7 @@ impl Format for PoseList {
     }
 }
 
-/// A name in small letters and digits, without its unit and without what stands before its last two words.
+/// A name in lower-case letters and digits, without its unit and reduced to its last two words.
 fn plain(name: &str) -> String {
     let (base, _) = log::split_unit(name);
     let words: Vec<String> = base.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
@@ -154,7 +154,7 @@ fn named(source: &Source, channels: &Channels) -> Result<Columns, Misread> {
     Ok(Columns { position, rotation, feed, time, spindle })
 }
 
-/// Columns without names: three of a position, or seven of a pose whose order is given.
+/// Columns without names: three for a position, or seven for a pose whose order is given.
 fn numbered(source: &Source, channels: &Channels) -> Result<Columns, Misread> {
     let bad = |found: String, accepted: &str| Err(Place::file(source.file).bad(found, accepted));
     let rotation = match (channels.names.len(), source.options.quaternions) {
@@ -224,7 +224,8 @@ fn rpm(channels: &Channels, columns: &Columns) -> f64 {
     }
 }
 
-/// Radians of one unit of an angle: KUKA's are degrees, rotation vectors radians, if the header does not say.
+/// Radians per unit of an angle: without a unit in the header, KUKA's angles are in degrees, rotation vectors in
+/// radians.
 fn angle_scale(channels: &Channels, rotation: &Rotation) -> f64 {
     let (first, is_degrees) = match rotation {
         Rotation::Vector(turn) => (turn[0], false),
@@ -240,7 +241,7 @@ fn angle_scale(channels: &Channels, rotation: &Rotation) -> f64 {
 }
 
 impl Rotation {
-    /// The rotation of a row, `None` where its cells are empty; the error is what is none.
+    /// The rotation of a row, `None` if its cells are empty; the error describes an invalid rotation.
     fn at(&self, cell: impl Fn(usize) -> f64, angle: f64) -> Result<Option<DQuat>, String> {
         let three = |turn: &[usize; 3]| turn.map(|k| angle * cell(k));
         let rotation = match self {

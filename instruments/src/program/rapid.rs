@@ -1,5 +1,5 @@
-//! RAPID. Source: ABB, "Technical reference manual: RAPID Instructions, Functions and Data types" (3HAC050917), `MoveL`,
-//! `robtarget`, `speeddata`.
+//! RAPID. Source: ABB, "Technical reference manual: RAPID Instructions, Functions and Data types" (3HAC050917),
+//! `MoveL`, `robtarget`, `speeddata`.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::log::lines;
 use crate::misread::Misread;
 
 const ACCEPTED: &str = "MoveL and MoveJ with a robtarget, declarations and instructions that move nothing are accepted";
-/// Instructions that move nothing and change no path, by their first word.
+/// Instructions without effect on the path, by their first word.
 const HARMLESS: [&str; 27] = [
     "ConfL",
     "ConfJ",
@@ -44,14 +44,14 @@ const HARMLESS: [&str; 27] = [
     "ActUnit",
     "DeactUnit",
 ];
-/// Lines that are whole without a semicolon, by their first word.
+/// Lines without a semicolon, by their first word.
 const BLOCKS: [&str; 8] = ["MODULE", "ENDMODULE", "PROC", "ENDPROC", "LOCAL PROC", "%%%", "VERSION", "LANGUAGE"];
 /// Predefined speeds `v5` to `v7000` [mm/s].
 const SPEEDS: [f64; 19] = [
     5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 150.0, 200.0, 300.0, 400.0, 500.0, 600.0, 800.0, 1000.0,
     1500.0, 2000.0,
 ];
-/// More of them.
+/// Further predefined speeds [mm/s].
 const FAST: [f64; 6] = [2500.0, 3000.0, 4000.0, 5000.0, 6000.0, 7000.0];
 
 /// RAPID.
@@ -78,7 +78,7 @@ impl Format for Rapid {
         let reading = Reading::new(source, self.name());
         let mut robot = Robot { reading, targets: BTreeMap::new(), speeds: BTreeMap::new(), frame: None };
         let statements = statements(&robot.reading, source.text)?;
-        // A target may be declared below the procedure that goes to it.
+        // A target may be declared after the procedure that uses it.
         for (statement, line) in &statements {
             robot.declaration(statement, *line)?;
         }
@@ -110,7 +110,7 @@ impl Format for Rapid {
     }
 }
 
-/// Statements with the lines in which they begin.
+/// Statements with the lines of their beginnings.
 fn statements(reading: &Reading, text: &str) -> Result<Vec<(Vec<Token>, u64)>, Misread> {
     let mut found = Vec::new();
     let mut open: Vec<Token> = Vec::new();
@@ -213,7 +213,7 @@ impl Robot<'_> {
         if is_declaration || HARMLESS.into_iter().any(is) { Ok(()) } else { self.refuse(statement, line) }
     }
 
-    /// False where the move is not understood.
+    /// Returns false if the move is not understood.
     fn travel(&mut self, reader: &mut Reader, is_line: bool, line: u64) -> Result<bool, Misread> {
         let target = match reader.rest {
             [Token::Sign('['), ..] => target(reader),
@@ -271,7 +271,7 @@ impl Robot<'_> {
         }
     }
 
-    /// Notes tool and work object, and refuses others on the way.
+    /// Records tool and work object, and refuses a change of them within the path.
     fn check_frame(&mut self, tokens: &[Token], line: u64) -> Result<(), Misread> {
         let words: Vec<&str> = tokens
             .iter()
@@ -297,7 +297,7 @@ impl Robot<'_> {
 
 const MOVE: &str = "MoveL TARGET,SPEED,ZONE,TOOL is expected";
 
-/// `[[x,y,z],[q1,q2,q3,q4],[…],[…]]`, w first; lengths in millimetres.
+/// Reads `[[x,y,z],[q1,q2,q3,q4],[…],[…]]`, w first; lengths in millimetres.
 fn target(reader: &mut Reader) -> Option<Target> {
     if !reader.sign('[') {
         return None;

@@ -1,4 +1,4 @@
-//! A program while it is read: its points so far and what is noted.
+//! State of a program while it is read: its points and notes so far.
 
 use std::path::Path;
 
@@ -7,19 +7,19 @@ use glam::DVec3;
 use super::{Point, Program, Source};
 use crate::misread::{Misread, Place};
 
-/// Points that a path may have.
+/// Maximum number of points of a path.
 const MOST_POINTS: usize = 10_000_000;
-/// Farthest place of a point [m].
+/// Largest coordinate of a point [m].
 const FARTHEST: f64 = 1e4;
-/// Passed-over lines of one kind whose numbers are listed.
+/// Maximum number of line numbers that a note on skipped lines lists.
 const LISTED: usize = 5;
-/// Kinds of passed-over lines that are noted.
+/// Maximum number of kinds of skipped lines with a note.
 const NOTED: usize = 40;
 
-/// Characters of a name that is shown.
+/// Maximum number of characters of a displayed name.
 const NAME: usize = 32;
 
-/// A name of a program that is known to be one; of anything else as much as an error may repeat.
+/// A valid name from a program, shortened for display; of anything else as much as an error may repeat.
 pub(super) fn shown_name(name: &str) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || "_$.= ()[]\\".contains(c);
     if name.len() <= NAME && name.chars().all(is_part) { format!("`{name}`") } else { files::input::quoted(name) }
@@ -29,7 +29,7 @@ pub(super) fn shown_name(name: &str) -> String {
 pub(super) struct Reading<'a> {
     pub(super) file: &'a Path,
     pub(super) program: Program,
-    /// Things that were passed over, and in which lines.
+    /// Kinds of skipped lines, with their line numbers.
     passed: Vec<(String, Vec<u64>)>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> Reading<'a> {
         Self { file: source.file, program: Program { format, ..Program::default() }, passed: Vec::new() }
     }
 
-    /// The error that something else was expected in a line.
+    /// An error in a line: the content found and the content accepted.
     pub(super) fn bad<T>(&self, line: u64, found: impl Into<String>, accepted: &str) -> Result<T, Misread> {
         Err(Place::line(self.file, line).bad(found, accepted))
     }
@@ -59,23 +59,23 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// Number of points that may still come.
+    /// Number of points that may still be added.
     pub(super) fn left(&self) -> usize {
         MOST_POINTS - self.program.points.len()
     }
 
-    /// Notes that something was passed over in a line.
+    /// Records that a line was skipped.
     pub(super) fn pass(&mut self, what: impl Into<String>, line: u64) {
         let what = what.into();
         match self.passed.iter().position(|(other, _)| *other == what) {
             Some(known) => self.passed[known].1.push(line),
-            // Lines that all differ are not worth a note each.
+            // Lines that are all different do not get a note each.
             None if self.passed.len() >= NOTED => {}
             None => self.passed.push((what, vec![line])),
         }
     }
 
-    /// The program, if it has a point.
+    /// The program, if it has at least one point.
     pub(super) fn finish(mut self) -> Result<Program, Misread> {
         for (what, lines) in &self.passed {
             let shown: Vec<String> = lines.iter().take(LISTED).map(u64::to_string).collect();

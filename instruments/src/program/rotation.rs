@@ -1,14 +1,14 @@
-//! Rotations as robots write them.
+//! Rotations in the conventions of robots.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// KUKA's A, B, C [rad]: turns about z, then about the new y, then about the newest x, so R = Rz(A) Ry(B) Rx(C).
+/// Rotation from KUKA's A, B, C [rad]: about z, then about the new y, then about the new x, so R = Rz(A) Ry(B) Rx(C).
 /// Source: KUKA System Software, Operating and Programming Instructions for System Integrators, "Coordinate systems".
 pub fn from_kuka([a, b, c]: [f64; 3]) -> DQuat {
     DQuat::from_rotation_z(a) * DQuat::from_rotation_y(b) * DQuat::from_rotation_x(c)
 }
 
-/// A, B, C [rad] of a rotation, B within ±90°; where B is ±90°, C is 0.
+/// A, B, C [rad] of a rotation, B within ±90°; for B = ±90°, C is 0.
 pub fn to_kuka(rotation: DQuat) -> [f64; 3] {
     let matrix = DMat3::from_quat(rotation.normalize());
     let (x, y, z) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
@@ -20,13 +20,13 @@ pub fn to_kuka(rotation: DQuat) -> [f64; 3] {
     }
 }
 
-/// Rotation vector of Universal Robots [rad]: its direction is the axis, its length the angle. Source: Universal Robots,
-/// "The URScript Programming Language", types: `p[x, y, z, rx, ry, rz]`.
+/// Rotation from the rotation vector of Universal Robots [rad]: its direction is the axis, its length the angle.
+/// Source: Universal Robots, "The URScript Programming Language", types: `p[x, y, z, rx, ry, rz]`.
 pub fn from_vector(vector: DVec3) -> DQuat {
     DQuat::from_scaled_axis(vector)
 }
 
-/// The rotation vector of a rotation [rad], no longer than π.
+/// The rotation vector of a rotation [rad], of length π at most.
 pub fn to_vector(rotation: DQuat) -> DVec3 {
     let rotation = rotation.normalize();
     let short = if rotation.w < 0.0 { -rotation } else { rotation };
@@ -35,7 +35,7 @@ pub fn to_vector(rotation: DQuat) -> DVec3 {
     if sine < 1e-12 { 2.0 * axis } else { axis * (2.0 * sine.atan2(short.w) / sine) }
 }
 
-/// A quaternion of four numbers, made a unit; `None` where its length is off by more than 1 %.
+/// Normalises a quaternion; `None` if its length deviates from 1 by more than 1 %.
 pub fn unit(rotation: DQuat) -> Option<DQuat> {
     ((rotation.length() - 1.0).abs() < 0.01).then(|| rotation.normalize())
 }

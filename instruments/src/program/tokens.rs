@@ -1,4 +1,4 @@
-//! Words, numbers and signs of a line in a robot's language.
+//! Tokens of a line in a robot's language: words, numbers and signs.
 
 /// A part of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +11,8 @@ pub(super) enum Token {
     Sign(char),
 }
 
-/// Tokens of a line whose comments begin with `comment`; names may have `$`, `_` and digits, and a point where `dotted`.
-/// The error is what cannot be one.
+/// Splits a line into tokens. Comments begin with `comment`; names may contain `$`, `_` and digits, and a point if
+/// `is_dotted`. The error describes the text that is not a token.
 pub(super) fn tokens(line: &str, comment: char, is_dotted: bool) -> Result<Vec<Token>, String> {
     let mut found = Vec::new();
     let mut rest = line.trim_start();
@@ -41,7 +41,7 @@ pub(super) fn tokens(line: &str, comment: char, is_dotted: bool) -> Result<Vec<T
     Ok(found)
 }
 
-/// The number at the start of a text and its length; a sign begins one only where none has just ended.
+/// The number at the start of a text, and its length; after a number or a closing bracket it has no sign.
 fn number(text: &str, before: &[Token]) -> Option<(f64, usize)> {
     let is_after_value = matches!(before.last(), Some(Token::Number(_) | Token::Sign(')' | ']')));
     let bytes = text.as_bytes();
@@ -63,7 +63,7 @@ fn number(text: &str, before: &[Token]) -> Option<(f64, usize)> {
     number.is_finite().then_some((number, end))
 }
 
-/// Reads tokens one after the other.
+/// Reads tokens one by one.
 pub(super) struct Reader<'a> {
     pub(super) rest: &'a [Token],
 }
@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next token if it is this name, whatever its case.
+    /// Takes the next token if it is this name, ignoring case.
     pub(super) fn keyword(&mut self, wanted: &str) -> bool {
         let is_next = matches!(self.rest, [Token::Word(word), ..] if word.eq_ignore_ascii_case(wanted));
         is_next && self.word().is_some()
@@ -97,7 +97,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// True if the next token is this sign, which is then taken.
+    /// Takes the next token if it is this sign; returns true if so.
     pub(super) fn sign(&mut self, wanted: char) -> bool {
         match self.rest {
             [Token::Sign(sign), rest @ ..] if *sign == wanted => {
@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Numbers with commas between them in square brackets; `None` where something else stands there.
+    /// Takes numbers with commas between them in square brackets; `None` for anything else.
     pub(super) fn list(&mut self) -> Option<Vec<f64>> {
         if !self.sign('[') {
             return None;
@@ -120,7 +120,7 @@ impl<'a> Reader<'a> {
         self.sign(']').then_some(numbers)
     }
 
-    /// Passes over a list in square brackets with all lists in it.
+    /// Skips a list in square brackets with all nested lists.
     pub(super) fn skip_list(&mut self) -> bool {
         let mut depth = 0_usize;
         while let [token, rest @ ..] = self.rest {

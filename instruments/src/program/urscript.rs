@@ -14,7 +14,7 @@ use crate::misread::Misread;
 
 const ACCEPTED: &str = "movel and movep with p[…] or the name of one, assignments of p[…] and functions that move nothing are \
                         accepted";
-/// Functions and words that move nothing and change no path.
+/// Functions and keywords without effect on the path.
 const HARMLESS: [&str; 22] = [
     "def",
     "end",
@@ -91,15 +91,15 @@ impl Format for UrScript {
     }
 }
 
-/// State as the lines come.
+/// State while the lines are read.
 struct Robot<'a> {
     reading: Reading<'a>,
-    /// `None` where a name stands for joint angles.
+    /// `None` for names of joint angles.
     poses: BTreeMap<String, Option<Pose>>,
 }
 
 impl Robot<'_> {
-    /// False where the line is not understood.
+    /// Returns false if the line is not understood.
     fn line(&mut self, tokens: &[Token], line: u64) -> Result<bool, Misread> {
         let mut reader = Reader { rest: tokens };
         let _ = reader.keyword("global") || reader.keyword("local");
@@ -112,7 +112,7 @@ impl Robot<'_> {
                 if let Some(pose) = pose {
                     self.poses.insert(first.to_owned(), pose);
                 }
-                // Numbers may be set too; a move that needs one is refused where it stands.
+                // Numbers may be assigned, too; a move that uses one is refused.
                 Ok(is_whole || matches!(reader.rest, [Token::Number(_) | Token::Text]))
             }
             _ => Ok(HARMLESS.contains(&first)),
@@ -155,7 +155,7 @@ impl Robot<'_> {
     }
 }
 
-/// `p[x,y,z,rx,ry,rz]`, or `Some(None)` for a list of six joint angles.
+/// Reads `p[x,y,z,rx,ry,rz]`, or `Some(None)` for a list of six joint angles.
 fn pose(reader: &mut Reader) -> Option<Option<Pose>> {
     let is_pose = reader.keyword("p");
     let numbers: [f64; 6] = reader.list()?.try_into().ok()?;
@@ -163,7 +163,7 @@ fn pose(reader: &mut Reader) -> Option<Option<Pose>> {
     Some(is_pose.then(|| (DVec3::new(x, y, z), from_vector(DVec3::new(rx, ry, rz)))))
 }
 
-/// Acceleration, speed, time and blend radius, by name or by place, up to the closing bracket.
+/// Acceleration, speed, time and blend radius, by keyword or by position, up to the closing bracket.
 fn arguments(reader: &mut Reader) -> Option<[Option<f64>; 4]> {
     let mut given = [None; 4];
     let mut next = 0;

@@ -1,22 +1,22 @@
-//! Evenly spaced places through coordinates, if there are such.
+//! Detection of evenly spaced positions in coordinates.
 
-/// Share of the mean distance below which two coordinates are one.
+/// Share of the mean distance below which two coordinates count as one.
 const SAME: f64 = 1e-3;
-/// Part of a pitch by which a coordinate may miss its place: files round them.
+/// Tolerance of a coordinate's position for rounding in files [pitches].
 const MISS: f64 = 0.12;
 
-/// Evenly spaced places.
+/// Evenly spaced positions.
 pub(super) struct Axis {
-    /// First place.
+    /// First position.
     pub(super) start: f64,
-    /// Distance between places.
+    /// Distance between positions.
     pub(super) pitch: f64,
-    /// Number of places.
+    /// Number of positions.
     pub(super) count: usize,
 }
 
 impl Axis {
-    /// The coarsest places on which all coordinates lie; `None` if they lie on none, or on fewer than two.
+    /// The coarsest spacing that fits all coordinates; `None` if none does, or if there are fewer than two positions.
     pub(super) fn through(mut coordinates: Vec<f64>) -> Option<Self> {
         coordinates.sort_unstable_by(f64::total_cmp);
         let span = coordinates.last()? - coordinates.first()?;
@@ -28,13 +28,14 @@ impl Axis {
         let levels = coordinates;
         let mut gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
         gaps.sort_unstable_by(f64::total_cmp);
-        // The median gap of rounded coordinates is nearer to the pitch than the least, unless most places are empty.
+        // For rounded coordinates the median gap is closer to the pitch than the smallest one, unless most positions
+        // are empty.
         let (least, median) = (*gaps.first()?, gaps[gaps.len() / 2]);
         let guess = if least < 0.6 * median { least } else { median };
         Self::fitted(&levels, guess)
     }
 
-    /// The least squares line through levels whose neighbours are about whole numbers of `guess` apart.
+    /// Least-squares line through levels whose spacings are approximately integer multiples of `guess`.
     fn fitted(levels: &[f64], guess: f64) -> Option<Self> {
         let mut index = 0.0;
         let mut indices = vec![0.0];
@@ -57,7 +58,7 @@ impl Axis {
         (levels.len() >= 2 && levels.iter().all(lies)).then_some(axis)
     }
 
-    /// The place at a coordinate.
+    /// Index of the position at a coordinate.
     pub(super) fn index(&self, coordinate: f64) -> Option<usize> {
         let at = (coordinate - self.start) / self.pitch;
         let index = at.round();

@@ -1,6 +1,6 @@
-//! Bytes of a file, read one after the other and never beyond their end.
+//! Sequential reading of a file's bytes, with bounds checks.
 
-/// A place in the bytes of a file, from which is read on. Errors say the byte and what is missing there.
+/// A read position in the bytes of a file. Errors give the position and the number of missing bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
@@ -8,12 +8,12 @@ pub(super) struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// Reading from the first byte on.
+    /// Starts at the first byte.
     pub(super) fn new(all: &'a [u8]) -> Self {
         Self { all, at: 0 }
     }
 
-    /// Goes to a byte of the file.
+    /// Moves to a byte of the file.
     pub(super) fn seek(&mut self, byte: usize) -> Result<(), String> {
         if byte > self.all.len() {
             return Err(format!("a place at byte {byte} of {}", self.all.len()));
@@ -22,12 +22,12 @@ impl<'a> Bytes<'a> {
         Ok(())
     }
 
-    /// Byte at which is read next.
+    /// Position of the next byte.
     pub(super) fn position(&self) -> usize {
         self.at
     }
 
-    /// The bytes that are left.
+    /// The remaining bytes.
     pub(super) fn rest(&self) -> &'a [u8] {
         &self.all[self.at..]
     }
@@ -41,7 +41,7 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// Bytes up to a zero, which is left out.
+    /// Bytes up to the next zero, which is skipped.
     pub(super) fn until_zero(&mut self) -> Result<&'a [u8], String> {
         let end = self.rest().iter().position(|&c| c == 0);
         let end = end.ok_or_else(|| format!("byte {}: text without an end", self.at))?;
@@ -50,7 +50,7 @@ impl<'a> Bytes<'a> {
         Ok(text)
     }
 
-    /// Text of a fixed length in UTF-8 or else Latin-1, filled up with zeros or blanks.
+    /// Text of a fixed length in UTF-8 or otherwise Latin-1, padded with zeros or spaces.
     pub(super) fn text(&mut self, count: usize) -> Result<String, String> {
         let bytes = self.take(count)?;
         let end = bytes.iter().position(|&c| c == 0).unwrap_or(count);

@@ -1,4 +1,4 @@
-//! Points in space as a map: on their own grid where they lie on one, else by pixels.
+//! Conversion of a point cloud to a map: on the points' own grid if they form one, otherwise by pixels.
 
 use glam::{DVec2, DVec3};
 use sdf_bake::{HeightMap, PixelGrid};
@@ -8,17 +8,17 @@ use super::window::Extent;
 use super::{MOST_PIXELS, Source, Surface};
 use crate::misread::{Misread, Place};
 
-/// Cells of a grid for each point on it: a grid with more holes is a cloud.
+/// Maximum number of grid cells per point: a grid with more holes is treated as a cloud.
 const MOST_CELLS_PER_POINT: usize = 10;
-/// Pixels for each point of a cloud, where the pitch is given and not the shape.
+/// Maximum number of pixels per point of a cloud, if the pitch is given and the shape is not.
 const MOST_PIXELS_PER_POINT: usize = 1000;
-/// Points for each pixel of a cloud whose pitch is not given.
+/// Points per pixel of a cloud whose pitch is not given.
 const POINTS_PER_PIXEL: usize = 2;
 
-/// Makes a map of points [m]. A point without a height is a hole of a grid and nothing in a cloud.
+/// Converts points [m] to a map. A point without a height is a hole in a grid and is ignored in a cloud.
 ///
 /// # Errors
-/// [`Misread`] where there are too few points, or none at the pixels of the source's window.
+/// [`Misread`] if there are too few points, or none near the pixels of the source's window.
 pub(super) fn mapped(
     format: &'static str,
     points: &[DVec3],
@@ -40,7 +40,7 @@ pub(super) fn mapped(
     by_pixel(format, points, source, notes)
 }
 
-/// The map of points that lie on a regular grid along x and y, at most one at a place.
+/// The map of points that lie on a regular grid along x and y, at most one at each grid position.
 fn on_own_grid(format: &'static str, points: &[DVec3]) -> Option<Surface> {
     let most = points.len().saturating_mul(MOST_CELLS_PER_POINT).min(MOST_PIXELS);
     let x = Axis::through(points.iter().map(|point| point.x).collect())?;
@@ -62,7 +62,8 @@ fn on_own_grid(format: &'static str, points: &[DVec3]) -> Option<Surface> {
     Some(Surface { format, nx, ny, pitch: Some(pitch), origin: Some(origin), heights, notes: Vec::new() })
 }
 
-/// The map of a cloud: at each pixel the median of the points nearest to it, else the point nearest within a pitch.
+/// The map of a cloud: at each pixel the median height of the points that are nearest to it, otherwise the nearest
+/// point within a pitch.
 fn by_pixel(
     format: &'static str,
     points: &[DVec3],
@@ -102,13 +103,13 @@ fn by_pixel(
     Ok(Surface::on(format, map, notes))
 }
 
-/// Points sorted by the pixel that is nearest to them.
+/// Points sorted by their nearest pixel.
 struct Buckets<'a> {
     pixels: PixelGrid,
     points: &'a [DVec3],
-    /// Where the points of each pixel begin, one more than there are pixels.
+    /// Start of each pixel's points; one entry more than there are pixels.
     starts: Vec<u32>,
-    /// Points, pixel by pixel.
+    /// Indices of the points, pixel by pixel.
     order: Vec<u32>,
 }
 
@@ -135,7 +136,7 @@ impl<'a> Buckets<'a> {
         self.order[self.starts[at] as usize..self.starts[at + 1] as usize].iter().map(|&k| self.points[k as usize])
     }
 
-    /// The middle height of a pixel's points, the mean of the two middle ones of an even number.
+    /// Median height of a pixel's points; the mean of the two middle ones for an even number.
     fn median(&self, at: usize) -> Option<f64> {
         let mut heights: Vec<f64> = self.of(at).map(|point| point.z).collect();
         heights.sort_unstable_by(f64::total_cmp);
@@ -143,7 +144,7 @@ impl<'a> Buckets<'a> {
         if heights.len() % 2 == 1 { Some(upper) } else { Some(0.5 * (heights[heights.len() / 2 - 1] + upper)) }
     }
 
-    /// Height of the point nearest to a pixel, at most a pitch away.
+    /// Height of the point nearest to a pixel, at most one pitch away.
     fn nearest(&self, at: usize) -> Option<f64> {
         let (i, j) = (at % self.pixels.nx, at / self.pixels.nx);
         let place = self.pixels.origin + DVec2::new(i as f64, j as f64) * self.pixels.pitch;

@@ -11,9 +11,9 @@ use crate::misread::{Misread, Place};
 
 /// First bytes.
 const MAGIC: &[u8] = b"ASTM-E57";
-/// Byte of the length of the description in the header.
+/// Offset of the length of the XML description in the header.
 const XML_LENGTH: usize = 32;
-/// Points that a byte of the file may hold: coordinates of a bit each, in three axes, are the least that is useful.
+/// Maximum number of points per byte of the file: one bit per coordinate, in three axes, is the useful minimum.
 const MOST_POINTS_PER_BYTE: usize = 3;
 const ACCEPTED: &str = "an E57 file (ASTM E2807) with Cartesian or spherical points is expected";
 

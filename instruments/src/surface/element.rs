@@ -1,4 +1,4 @@
-//! Numbers as they lie in binary files.
+//! Numbers in binary files.
 
 /// Type of a stored number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub(super) enum Order {
     Big,
 }
 
-/// The numbers of one type in `bytes`.
+/// Decodes the numbers of one type in `bytes`.
 macro_rules! numbers {
     ($kind:ty, $bytes:expr, $order:expr) => {{
         let chunks = $bytes.as_chunks::<{ size_of::<$kind>() }>().0.iter();
@@ -45,7 +45,7 @@ impl Element {
         }
     }
 
-    /// The numbers that lie one after the other; bytes of half a number at the end are left out.
+    /// Decodes consecutive numbers; an incomplete one at the end is left out.
     pub(super) fn values(self, bytes: &[u8], order: Order) -> Vec<f64> {
         match self {
             Self::U8 => numbers!(u8, bytes, order),
@@ -61,9 +61,9 @@ impl Element {
         }
     }
 
-    /// The number in the first bytes, NaN where there are too few.
+    /// Decodes the number in the first bytes, NaN if there are too few.
     pub(super) fn value(self, bytes: &[u8], order: Order) -> f64 {
-        /// The number in the first bytes.
+        /// Decodes the number in the first bytes.
         macro_rules! first {
             ($kind:ty) => {
                 match (bytes.first_chunk(), order) {

@@ -11,9 +11,9 @@ use super::{Format, Source, Surface, missing, shape};
 use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "an ASCII grid with ncols, nrows, cellsize and one number for each cell is expected";
-/// Number that is written for a missing height.
+/// Value written for a missing height.
 const NODATA: f64 = -9999.0;
-/// Bytes looked at to tell how decimals are written.
+/// Number of bytes from which the decimal mark is detected.
 const SNIFFED: usize = 1 << 14;
 
 /// ASCII grids of ESRI.
@@ -47,13 +47,13 @@ struct Keys {
     rows: Option<f64>,
     cell: [Option<f64>; 2],
     corner: [Option<f64>; 2],
-    /// True if the corner is the middle of a cell, for x and y.
+    /// True, for x and y, if the key gives the middle of the corner cell.
     is_centre: [bool; 2],
     nodata: Option<f64>,
 }
 
 impl Keys {
-    /// Takes in a key; false where it is none.
+    /// Sets a key; returns false if it is unknown.
     fn set(&mut self, key: &str, value: f64) -> bool {
         let is_centre = key.ends_with("center") || key.ends_with("centre");
         match key {
@@ -105,7 +105,7 @@ fn read(words: &mut Words, numbers: &mut Numbers) -> Result<Surface, String> {
     Ok(Surface { format: EsriGrid.name(), nx, ny, pitch: Some(pitch), origin, heights, notes })
 }
 
-/// The keys, and the first height, which ends them.
+/// Reads the keys, and the first height, which ends them.
 fn read_keys(words: &mut Words, numbers: &mut Numbers) -> Result<(Keys, Option<f64>), String> {
     let decimal_comma = numbers.decimal_comma;
     let mut keys = Keys::default();
@@ -127,7 +127,7 @@ fn bad_word(word: &[u8]) -> String {
     format!("{} is no number", quoted(&String::from_utf8_lossy(word)))
 }
 
-/// The text of a grid in millimetres, missing heights as -9999.
+/// Writes a grid in millimetres, missing heights as -9999.
 ///
 /// # Errors
 /// [`Unwritable`] without a pitch.

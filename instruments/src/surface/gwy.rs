@@ -61,7 +61,7 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
     Ok(surface)
 }
 
-/// Takes pixels under a mask as missing and counts them.
+/// Marks pixels under a mask as missing, and counts them.
 fn mark_masked(surface: &mut Surface, mask: &Object) -> Result<usize, String> {
     let (nx, ny, values) = mask.field()?;
     if (nx, ny) != (surface.nx, surface.ny) {
@@ -72,7 +72,7 @@ fn mark_masked(surface: &mut Surface, mask: &Object) -> Result<usize, String> {
 }
 
 impl Object<'_> {
-    /// Metres in the unit of a data field; a field without one has none of length.
+    /// SI value [m] of the unit of a data field; `None` if it is not a unit of length.
     fn unit(&self, name: &str) -> Option<f64> {
         unit::metres(self.object(name)?.text("unitstr")?)
     }

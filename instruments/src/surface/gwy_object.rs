@@ -1,4 +1,4 @@
-//! Objects of Gwyddion files: named values, some of them objects again.
+//! Objects of Gwyddion files: named values, which may be nested objects.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use files::input::quoted;
 
 use super::bytes::Bytes;
 
-/// Objects within objects; channels lie three deep.
+/// Maximum depth of nested objects; channels are three deep.
 const MOST_DEPTH: usize = 16;
 
 /// A named list of named values.
@@ -23,7 +23,7 @@ pub(super) enum Value<'a> {
     /// Little-endian numbers of 64 bits.
     Numbers(&'a [u8]),
     Object(Object<'a>),
-    /// Of a type that no height map needs.
+    /// A type that no height map needs.
     Other,
 }
 
@@ -48,12 +48,12 @@ impl<'a> Object<'a> {
         Ok(Self { items })
     }
 
-    /// The value of a name.
+    /// The value with this name.
     pub(super) fn get(&self, name: &str) -> Option<&Value<'a>> {
         self.items.get(name)
     }
 
-    /// The object of a name.
+    /// The object with this name.
     pub(super) fn object(&self, name: &str) -> Option<&Object<'a>> {
         match self.get(name)? {
             Value::Object(object) => Some(object),
@@ -61,7 +61,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// The text of a name.
+    /// The text with this name.
     pub(super) fn text(&self, name: &str) -> Option<&'a str> {
         match self.get(name)? {
             Value::Text(text) => Some(text),

@@ -1,6 +1,6 @@
-//! Text exports of Gwyddion: lines of `#`, then one line for each row of the image, from the top.
+//! Text exports of Gwyddion: lines beginning with `#`, then one line for each row of the image, from the top.
 //!
-//! The keys are localised, so that sizes and units are found by their form, as in exports of Keyence: the first two
+//! The keys are localised, so sizes and units are recognised by their form, as in exports of Keyence: the first two
 //! lengths are width and height of the image, a unit alone is that of the values.
 
 use files::input::quoted;
@@ -10,7 +10,7 @@ use super::{Format, Source, Surface, missing, shape, unit};
 use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "an export of Gwyddion with its width, its height and one number for each pixel is expected";
-/// Lines of keys that are looked at.
+/// Maximum number of key lines.
 const MOST_KEYS: usize = 20;
 
 /// Text exports of Gwyddion.
@@ -36,13 +36,13 @@ impl Format for GwyddionText {
     }
 }
 
-/// Contents of the lines of `#`.
+/// Contents of the `#` lines.
 #[derive(Default)]
 struct Keys {
     /// Width and height [m].
     sizes: Vec<f64>,
     unit: Option<f64>,
-    /// A unit of values that is none of length.
+    /// A unit of values that is not a unit of length.
     strange: Option<String>,
 }
 

@@ -1,7 +1,7 @@
 //! Height exports of Keyence's VR series ("ImageDataCsv"): key and value lines, a title, then one line per image row.
 //!
-//! The keys are localised, so that pitch and unit are found by their form: the first key whose value is a length with
-//! its unit is the pixel pitch, the key whose value is a unit alone is the unit of the heights.
+//! The keys are localised, so pitch and unit are recognised by their form: the first key with a length and a unit is
+//! the pixel pitch, the key with a unit alone is the unit of the heights.
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ use super::{Format, Source, Surface, spaced, unit};
 use crate::misread::{Misread, Place};
 use crate::text_table::{TextRow, TextTable};
 
-/// Most lines of keys before the heights.
+/// Maximum number of key lines before the heights.
 const MOST_KEYS: usize = 60;
 /// Cells of a key line: key, value, unit.
 const KEY_CELLS: usize = 3;
@@ -23,11 +23,11 @@ struct Keys {
     title: Option<String>,
     optical: bool,
     lines: usize,
-    /// Whole numbers among the values: columns and rows are two of them.
+    /// Integers among the values; columns and rows are two of them.
     counts: Vec<usize>,
 }
 
-/// Exports as text of Keyence's VR series.
+/// Text exports of Keyence's VR series.
 pub(super) struct KeyenceExport;
 
 impl Format for KeyenceExport {
@@ -58,7 +58,7 @@ impl Format for KeyenceExport {
     }
 }
 
-/// True if a table begins with key lines as such an export does.
+/// True if a table begins with key lines of such an export.
 fn is_export(table: &TextTable) -> Result<bool, Misread> {
     let (mut lines, mut key_lines) = (0, 0);
     table.rows(|row| {
@@ -109,7 +109,7 @@ fn read(table: &TextTable) -> Result<(f64, Grid), Misread> {
 }
 
 impl Keys {
-    /// Takes in one line before the heights.
+    /// Reads one line before the heights.
     fn read(&mut self, row: &TextRow) -> Result<(), Misread> {
         self.lines += 1;
         if self.lines > MOST_KEYS {
@@ -137,7 +137,7 @@ impl Keys {
         Ok(())
     }
 
-    /// Says so where the grid has fewer rows than the keys promise.
+    /// Adds a note if the grid has fewer rows than the keys state.
     fn note_counts(&self, grid: &mut Grid) {
         let columns = self.counts.iter().position(|&count| count == grid.nx);
         if let Some(&rows) = columns.and_then(|at| self.counts.get(at + 1)).filter(|&&rows| rows != grid.ny) {

@@ -1,4 +1,4 @@
-//! Measurements of Keyence's VK series: VK3 and VK4, and VK6 and VK7, which are zips around a VK4.
+//! Measurements of Keyence's VK series: VK3 and VK4, and VK6 and VK7, which wrap a VK4 in a zip.
 //!
 //! Layout as in the public readers of Gwyddion 2.62 (`keyence.c`), surfalize 0.19 and SurfaceTopography 1.27.
 
@@ -8,21 +8,21 @@ use super::element::{Element, Order};
 use super::{Format, MOST_PIXELS, Source, Surface, shape};
 use crate::misread::{Misread, Place};
 
-/// Member of VK6 and VK7 with the measurement.
+/// Zip member of VK6 and VK7 with the measurement.
 const MEMBER: &str = "Vk4File";
 const ACCEPTED: &str = "a measurement of Keyence's VK series with heights is expected";
-/// Bytes before the table of places.
+/// Bytes before the table of offsets.
 const HEAD: usize = 12;
-/// Entries of the table of places: conditions, and the first image of heights.
+/// Entries of the table of offsets: conditions, and the first height image.
 const CONDITIONS: usize = 0;
 const HEIGHTS: usize = 6;
-/// Numbers of the conditions, from the start: size of a pixel along x and y, and of a step of height.
+/// Index of numbers among the conditions: pixel size along x and y, and height step.
 const SIZES: usize = 42;
 /// Bytes of a palette, before the heights.
 const PALETTE: usize = 768;
-/// Metres in the unit of sizes, the picometre.
+/// SI value of the unit of sizes, the picometre [m].
 const UNIT: f64 = 1e-12;
-/// Bytes of a pixel in all images of a measurement together, more than there are.
+/// Upper bound of the bytes per pixel in all images of a measurement together.
 const BYTES_PER_PIXEL: usize = 64;
 
 /// Measurements of Keyence's VK series.
@@ -81,7 +81,7 @@ fn read(all: &[u8]) -> Result<Surface, String> {
     if stated != length {
         return Err(format!("{stated} bytes of heights for {nx} x {ny} pixels of {} bytes", element.size()));
     }
-    // The lowest and the highest height of the palette, and the palette.
+    // Lowest and highest height of the palette, and the palette.
     bytes.take(8 + PALETTE)?;
     let mut heights = element.values(bytes.take(length)?, Order::Little);
     heights.iter_mut().for_each(|height| *height *= step);

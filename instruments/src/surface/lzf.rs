@@ -1,9 +1,9 @@
-//! Unpacking of LZF (Lehmann 2000): runs of bytes, and copies of bytes that came before.
+//! Decompression of LZF (Lehmann 2000): literal runs, and copies of earlier bytes.
 
-/// The bytes that were packed, which must be `length` many.
+/// Decompresses to exactly `length` bytes.
 ///
 /// # Errors
-/// The finding, in words.
+/// A description of the fault.
 pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut rest = packed.iter().copied();

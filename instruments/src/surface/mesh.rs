@@ -1,4 +1,4 @@
-//! STL, PLY and OBJ surfaces as scans: looked at from above at the trial's pixels.
+//! STL, PLY and OBJ surfaces as scans: sampled from above at the trial's pixels.
 
 use glam::{DVec2, DVec3};
 use sdf_bake::HeightMap;
@@ -10,9 +10,9 @@ use crate::misread::{Misread, Place};
 
 /// First bytes of a PLY file.
 const PLY: &[u8] = b"ply";
-/// Bytes in which a text of STL names its first facet.
+/// Number of bytes in which a text STL must name its first facet.
 const HEAD: usize = 1000;
-/// Rounding that leaves a point on an edge inside [share of a triangle].
+/// Tolerance for points on an edge to count as inside [share of a triangle].
 const ON_EDGE: f64 = 1e-9;
 
 /// STL, PLY and OBJ surfaces.
@@ -36,7 +36,8 @@ impl Format for Mesh {
     }
 }
 
-/// The format of a surface, by its content and, as binary STL and OBJ have no mark, its name; `None` for anything else.
+/// The format of a mesh by its content; by its file name for binary STL and OBJ, which have no signature; `None` for
+/// anything else.
 fn mesh_format(source: &Source) -> Option<MeshFormat> {
     let named = |extension: &str| source.file.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
     if source.bytes.starts_with(PLY) || named("ply") {
@@ -50,14 +51,13 @@ fn mesh_format(source: &Source) -> Option<MeshFormat> {
     (named("stl") || is_text || has_length_of_stl(source.bytes)).then_some(MeshFormat::Stl)
 }
 
-/// True if a file is as long as its number of triangles in binary STL says.
+/// True if the file length matches the number of triangles of a binary STL.
 fn has_length_of_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.first_chunk()).map(|count| u32::from_le_bytes(*count));
     count.is_some_and(|count| count > 0 && bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
-/// Heights of a surface in millimetres at the pixels of the window: the topmost point above each, missing where there
-/// is none.
+/// Heights of a mesh in millimetres at the pixels of the window: the topmost point at each, missing without a surface.
 fn read(source: &Source, format: MeshFormat) -> Result<Surface, Misread> {
     let place = || Place::file(source.file);
     let accepted = "an STL or PLY surface in mm is expected, or an OBJ";
@@ -78,7 +78,7 @@ fn read(source: &Source, format: MeshFormat) -> Result<Surface, Misread> {
     Ok(Surface::on(Mesh.name(), map, notes))
 }
 
-/// Raises the pixels under a triangle to it.
+/// Raises the pixels under a triangle to its height.
 fn cover(map: &mut HeightMap, corners: [DVec3; 3]) {
     let pixels = map.pixels;
     let [a, b, c] = corners.map(|corner| pixels.coordinates(corner.truncate()));

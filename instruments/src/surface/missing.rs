@@ -1,16 +1,16 @@
-//! Numbers and words that stand for a height that was not measured.
+//! Numbers and words that mean a missing height.
 
 use std::collections::BTreeMap;
 
-/// Numbers that stand for a missing height: of ESRI grids, of 16-bit integers. No scan is metres deep.
+/// Numbers that mean a missing height: of ESRI grids, of 16-bit integers. No scan is metres deep.
 const NUMBERS: [f64; 5] = [-9999.0, -99999.0, 9999.0, 99999.0, -32768.0];
-/// Size from which a number is none of a height: Surfer writes 1.70141e38, others 1e38.
+/// Magnitude from which a number is not a height: Surfer writes 1.70141e38, others 1e38.
 const TOO_LARGE: f64 = 1e37;
 
-/// Words that are counted one by one.
+/// Maximum number of words that are counted separately.
 const MOST_WORDS: usize = 8;
 
-/// True if a word in place of a number says that nothing was measured.
+/// True if a word in place of a number means a missing value.
 pub(super) fn is_word(word: &[u8]) -> bool {
     let known: [&[u8]; 11] =
         [b"bad", b"nan", b"-nan", b"inf", b"-inf", b"infinity", b"none", b"null", b"n/a", b"na", b"nodata"];
@@ -18,12 +18,12 @@ pub(super) fn is_word(word: &[u8]) -> bool {
     word.is_empty() || marks || known.iter().any(|one| word.eq_ignore_ascii_case(one))
 }
 
-/// Numbers of cells with each word for a missing height.
+/// Number of cells with each word for a missing height.
 #[derive(Default)]
 pub(super) struct Counts(BTreeMap<String, usize>);
 
 impl Counts {
-    /// Counts a cell; of many words, all after the first few are one.
+    /// Counts a cell; after the first few words all others are counted together.
     pub(super) fn add(&mut self, word: String) {
         let is_kept = self.0.contains_key(&word) || self.0.len() < MOST_WORDS;
         *self.0.entry(if is_kept { word } else { "another word".to_owned() }).or_default() += 1;
@@ -35,9 +35,9 @@ impl Counts {
     }
 }
 
-/// Takes the numbers that instruments write where they saw nothing as missing.
+/// Replaces the numbers that instruments write for missing heights by NaN.
 ///
-/// `own` is the code that the file itself states. Returns a sentence for each number that was found.
+/// `own` is the code stated in the file. Returns a sentence for each number found.
 pub(super) fn clear(heights: &mut [f64], own: Option<f64>) -> Vec<String> {
     let mut found = Counts::default();
     for height in heights.iter_mut().filter(|height| !height.is_nan()) {
@@ -49,7 +49,7 @@ pub(super) fn clear(heights: &mut [f64], own: Option<f64>) -> Vec<String> {
     found.notes().collect()
 }
 
-/// The sentence that so many cells hold a word for a missing height.
+/// A sentence with the number of cells that hold a word for a missing height.
 pub(super) fn said(count: usize, word: &str) -> String {
     format!("{count} cells say {word}: read as missing")
 }

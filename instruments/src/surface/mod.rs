@@ -1,7 +1,8 @@
-//! Height maps as instruments and people write them.
+//! Height maps of instruments and people.
 //!
-//! [`read`] asks the formats of `FORMATS` in turn whether a file is theirs, by its content and, where that has no mark,
-//! its name. A format is a file of this folder with one type behind `Format`; adding one is a file and a line here.
+//! [`read`] tests the formats in `FORMATS` in turn, by the file's content and, for formats without a signature, its
+//! name. A format is a file of this folder with one type that implements `Format`; adding one takes a file and a line
+//! here.
 //!
 //! Maps are right-handed, seen from above: pixel (i, j) of `[ny, nx]` lies at `origin + (i, j) · pitch`.
 
@@ -50,11 +51,12 @@ use sdf_bake::{HeightMap, PixelGrid};
 use crate::misread::Misread;
 pub use write::{Unwritable, write};
 
-/// Pixels that a map may have.
+/// Maximum number of pixels of a map.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// The formats in the order in which they are asked. Those with a mark come first. Of the zips, X3P takes what the others
-/// leave. Of the texts, those with key lines come before lists, and a plain grid, which any table may be, comes last.
+/// The formats in the order in which they are tested. Those with a signature come first. Among the zip files, X3P takes
+/// those that the others reject. Among the texts, those with key lines come before lists, and a plain grid, which any
+/// table may be, comes last.
 const FORMATS: [&dyn Format; 18] = [
     &sur::DigitalSurf,
     &sdf::SurfaceData,
@@ -78,10 +80,10 @@ const FORMATS: [&dyn Format; 18] = [
 
 /// A file format of height maps.
 trait Format: Sync {
-    /// Name for people.
+    /// Name for messages.
     fn name(&self) -> &'static str;
 
-    /// Extensions of its files, in small letters, without the dot.
+    /// File extensions in lower case, without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
     /// True if a file is of this format.
@@ -91,18 +93,18 @@ trait Format: Sync {
     fn read(&self, source: &Source) -> Result<Surface, Misread>;
 }
 
-/// A file that is to be read, and where pixels are wanted if it has none of its own.
+/// A file to be read, and the pixels for formats that have none of their own.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
     /// Its name.
     pub file: &'a Path,
     /// Its content.
     pub bytes: &'a [u8],
-    /// Pixels for formats without pixels, as meshes and clouds.
+    /// Pixels for formats without pixels, such as meshes and clouds.
     pub window: Window,
 }
 
-/// The pixels at which a surface without pixels is looked at; what is `None` follows from the surface.
+/// The pixels at which a surface without pixels is sampled; `None` values follow from the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Window {
     /// x, y of the first pixel [m].
@@ -122,18 +124,18 @@ pub struct Surface {
     pub nx: usize,
     /// Pixels along y.
     pub ny: usize,
-    /// Distance between pixels along x and along y [m]; `None` where the file does not tell.
+    /// Distance between pixels along x and along y [m]; `None` if the file does not give it.
     pub pitch: Option<DVec2>,
-    /// x, y of the first pixel [m]; `None` where the file does not tell.
+    /// x, y of the first pixel [m]; `None` if the file does not give it.
     pub origin: Option<DVec2>,
     /// Heights [m], NaN where missing, shape `[ny, nx]`.
     pub heights: Vec<f64>,
-    /// Sentences on what was understood.
+    /// Notes on the interpretation, in sentences.
     pub notes: Vec<String>,
 }
 
 impl Surface {
-    /// Its size for people, in a line.
+    /// Its size in one line, for messages.
     pub fn summary(&self) -> String {
         let known = || self.heights.iter().copied().filter(|height| height.is_finite());
         let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
@@ -162,12 +164,12 @@ pub fn read(source: &Source) -> Result<Surface, Misread> {
     FORMATS.into_iter().find(|format| format.recognises(source)).unwrap_or(plain).read(source)
 }
 
-/// Names of the formats that are read.
+/// Names of the supported formats.
 pub fn formats() -> impl Iterator<Item = &'static str> {
     FORMATS.into_iter().map(|format| format.name())
 }
 
-/// Names of the formats that are read, with the extensions that their files have: small letters, without the dot.
+/// Names of the supported formats, with their file extensions: lower case, without the dot.
 pub fn extensions() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
     FORMATS.into_iter().map(|format| (format.name(), format.extensions()))
 }

@@ -1,6 +1,6 @@
 //! Arrays of NumPy: `.npy`, and `.npz`, a zip of them.
 //!
-//! Layout as in NumPy's format page (NEP 1). An array has no direction: rows are taken in order, y rising.
+//! Layout as in NumPy's format page (NEP 1). An array has no orientation: rows are taken in order, with y increasing.
 
 use files::input::quoted;
 use glam::DVec3;
@@ -15,11 +15,11 @@ use crate::misread::{Misread, Place};
 const MAGIC: &[u8] = b"\x93NUMPY";
 const ACCEPTED: &str =
     "an array of numbers of shape [ny, nx] with heights in mm, or of shape [n, 3] with x, y, z, is expected";
-/// Names by which heights are found among several arrays.
+/// Names of the height array among several arrays.
 const NAMES: [&str; 7] = ["heights", "height", "z", "topography", "data", "arr_0", "surface"];
-/// Bytes that deflate packs into one at most.
+/// Maximum compression ratio of deflate.
 const MOST_PACKED: u64 = 1100;
-/// Bytes of a header.
+/// Maximum number of bytes of a header.
 const MOST_HEADER: usize = 1 << 16;
 
 /// Arrays of NumPy.
@@ -78,11 +78,11 @@ fn member(bytes: &[u8]) -> Result<(Vec<u8>, String), String> {
     Ok((read, quoted(chosen.trim_end_matches(".npy"))))
 }
 
-/// An array with its numbers.
+/// An array with its values.
 struct Array {
     /// Length of each dimension.
     shape: Vec<u64>,
-    /// Numbers, the last index running fastest; of the other order, the first.
+    /// Values; the last index varies fastest in C order, the first in Fortran order.
     values: Vec<f64>,
     is_fortran: bool,
 }
@@ -114,7 +114,7 @@ impl Array {
         Ok(Self { shape, values, is_fortran: value("fortran_order")?.starts_with("True") })
     }
 
-    /// True if this is a list of places rather than a map.
+    /// True for a list of points instead of a map.
     fn is_points(&self) -> bool {
         matches!(self.shape[..], [count, 3] if count > 3)
     }
@@ -125,14 +125,14 @@ impl Array {
         self.values[if self.is_fortran { column * rows + row } else { row * columns + column }]
     }
 
-    /// Places [m].
+    /// Points [m].
     fn points(&self) -> Vec<DVec3> {
         let place = |row| DVec3::new(self.at(row, 0), self.at(row, 1), self.at(row, 2)) * 1e-3;
         (0..self.shape[0] as usize).map(place).filter(|place| place.truncate().is_finite()).collect()
     }
 
     fn surface(mut self, mut notes: Vec<String>) -> Result<Surface, String> {
-        // Dimensions of one are no matter.
+        // Dimensions of length one are ignored.
         let sides: Vec<u64> = self.shape.iter().copied().filter(|side| *side != 1).collect();
         let [ny, nx] = sides[..] else { return Err(format!("an array of shape {:?}", self.shape)) };
         let (nx, ny) = shape::checked(nx, ny)?;
@@ -150,7 +150,7 @@ impl Array {
     }
 }
 
-/// The text behind a key of a header.
+/// The text after a key of a header.
 fn after<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let at = header.find(&format!("'{key}'"))? + key.len() + 2;
     Some(header[at..].trim_start().strip_prefix(':')?.trim_start())

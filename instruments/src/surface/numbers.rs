@@ -1,4 +1,4 @@
-//! Numbers in text, and the words that stand in their place.
+//! Numbers in text, and words in their place.
 
 use files::input::quoted;
 
@@ -8,22 +8,22 @@ use super::missing;
 pub(super) struct Words<'a> {
     text: &'a [u8],
     at: usize,
-    /// Line of the word that was given last, from 1.
+    /// Line of the last word returned, from 1.
     pub(super) line: u64,
 }
 
 impl<'a> Words<'a> {
-    /// The words of a text from a byte on, which lies on a line from 1.
+    /// The words of a text from byte `at` on, which is on a line numbered from 1.
     pub(super) fn new(text: &'a [u8], at: usize, line: u64) -> Self {
         Self { text, at, line }
     }
 
-    /// Reading on from the same place without moving on here.
+    /// A copy that reads on from the same position without advancing this one.
     pub(super) fn peeked(&self) -> Self {
         Self { ..*self }
     }
 
-    /// The rest of the line, and moves to the next.
+    /// The rest of the line; advances to the next.
     pub(super) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.text[self.at..];
         let end = rest.iter().position(|&c| c == b'\n').unwrap_or(rest.len());
@@ -32,12 +32,12 @@ impl<'a> Words<'a> {
         rest[..end].trim_ascii()
     }
 
-    /// True if the last word is ended, as it is not where writing was cut short.
+    /// True if the last word is terminated; it is not if writing was interrupted.
     pub(super) fn ends_with_a_line(&self) -> bool {
         self.text.last().is_some_and(u8::is_ascii_whitespace)
     }
 
-    /// True if nothing but blanks is left.
+    /// True if only white space is left.
     pub(super) fn is_done(&self) -> bool {
         self.text[self.at..].iter().all(u8::is_ascii_whitespace)
     }
@@ -57,7 +57,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// Makes numbers of words and counts those that say that nothing was measured.
+/// Converts words to numbers, and counts those that mean a missing value.
 #[derive(Default)]
 pub(super) struct Numbers {
     /// True if decimals are written with commas.
@@ -71,7 +71,7 @@ impl Numbers {
         Self { decimal_comma, ..Self::default() }
     }
 
-    /// The number that a word writes, NaN for a word that says that nothing was measured, `None` for any other.
+    /// The number of a word, NaN for a word that means a missing value, `None` for any other.
     pub(super) fn number(&mut self, word: &[u8]) -> Option<f64> {
         let word = word.trim_ascii();
         let parsed = match std::str::from_utf8(word) {
@@ -90,13 +90,13 @@ impl Numbers {
         }
     }
 
-    /// A sentence for each word in place of a number.
+    /// A sentence for each word found in place of a number.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
         self.missing.notes()
     }
 }
 
-/// True if commas stand between digits of words that are separated otherwise, as in "1,5 2,5".
+/// True if commas occur between digits of words with another separator, as in "1,5 2,5".
 pub(super) fn has_decimal_commas(text: &[u8]) -> bool {
     let between_digits = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit();
     text.windows(3).any(between_digits) && !text.contains(&b'.')

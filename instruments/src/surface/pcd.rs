@@ -1,6 +1,6 @@
-//! Point clouds of the Point Cloud Library (`.pcd`): text, binary and packed.
+//! Point clouds of the Point Cloud Library (`.pcd`): text, binary and compressed.
 //!
-//! Layout as on the library's page "The PCD (Point Cloud Data) file format", packing as in Lehmann's LZF.
+//! Layout as on the library's page "The PCD (Point Cloud Data) file format", compression as in Lehmann's LZF.
 
 use files::input::quoted;
 use glam::DVec3;
@@ -14,7 +14,7 @@ use super::{Format, Source, Surface, cloud};
 use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "a PCD file of points with x, y and z is expected";
-/// Lines of a header.
+/// Maximum number of header lines.
 const MOST_HEADER: usize = 100;
 
 /// Point clouds of the Point Cloud Library.
@@ -53,7 +53,7 @@ struct Header {
     counts: Vec<usize>,
     points: usize,
     coding: String,
-    /// Byte behind the header, and its lines.
+    /// Offset of the first byte after the header, and number of header lines.
     end: usize,
     lines: u64,
 }
@@ -149,7 +149,7 @@ impl Header {
         Ok(Records { stride, fields: [field(x)?, field(y)?, field(z)?], order: Order::Little })
     }
 
-    /// Packed points: all numbers of the first field, then all of the next.
+    /// Compressed points: all numbers of the first field, then all of the next.
     fn points_of_packed(&self, rest: &[u8]) -> Result<Vec<DVec3>, String> {
         let records = self.records()?;
         let mut bytes = Bytes::new(rest);

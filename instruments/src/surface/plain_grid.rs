@@ -1,4 +1,4 @@
-//! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell where nothing was seen.
+//! Height maps and masks as plain grids: one row per y, one cell per x, an empty cell for a missing value.
 
 use super::{Format, Source, Surface, missing, spaced};
 use crate::misread::{Misread, Place};
@@ -37,11 +37,11 @@ pub struct Grid {
     pub ny: usize,
     /// Shape `[ny, nx]`.
     pub values: Vec<f64>,
-    /// Sentences on what was odd.
+    /// Notes on unusual content, in sentences.
     pub notes: Vec<String>,
 }
 
-/// Collects the rows of a grid and remembers what was odd.
+/// Collects the rows of a grid, and notes on unusual content.
 #[derive(Default)]
 pub(super) struct GridRows {
     nx: Option<usize>,
@@ -56,7 +56,7 @@ impl Grid {
     /// Reads a whole table as a grid.
     ///
     /// # Errors
-    /// [`Misread`] where rows differ in length or a cell is no number.
+    /// [`Misread`] if rows differ in length or a cell is not a number.
     pub fn read(table: &TextTable) -> Result<Self, Misread> {
         let mut rows = GridRows::default();
         table.rows(|row| rows.push(row).map(|()| true))?;
@@ -81,7 +81,7 @@ impl GridRows {
             ));
         }
         let cut = row.len() < nx;
-        // The last cell of a row that was cut short may be half a number.
+        // The last cell of a truncated row may be incomplete.
         let whole = if cut { row.len().saturating_sub(1) } else { nx };
         for column in 0..whole {
             self.push_cell(row, column)?;
@@ -109,7 +109,7 @@ impl GridRows {
         Ok(())
     }
 
-    /// The grid, if the rows make one.
+    /// The grid, if the rows form one.
     pub(super) fn finish(self, table: &TextTable) -> Result<Grid, Misread> {
         let nx = self.nx.unwrap_or(0);
         let ny = self.values.len().checked_div(nx).unwrap_or(0);

@@ -13,7 +13,7 @@ use crate::misread::{Misread, Place};
 const INDEX: &str = "index.xml";
 const HEIGHTS: &str = "LAYER_0.raw";
 const ACCEPTED: &str = "a Sensofar PLUX file with one layer of heights is expected";
-/// Metres in the unit of the file.
+/// SI value of the unit of the file [m].
 const UNIT: f64 = 1e-6;
 
 /// Sensofar PLUX files.

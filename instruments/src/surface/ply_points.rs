@@ -12,7 +12,7 @@ use super::{Format, Source, Surface, cloud};
 use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "a PLY file with faces, or with vertices that have x, y and z, is expected";
-/// Lines of a header.
+/// Maximum number of header lines.
 const MOST_HEADER: usize = 1000;
 
 /// PLY files without faces.
@@ -40,7 +40,7 @@ impl Format for PlyPoints {
     }
 }
 
-/// Coding of the numbers.
+/// Encoding of the numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum Coding {
     Text,
@@ -54,7 +54,7 @@ struct Header {
     faces: usize,
     /// Properties of a vertex.
     properties: Vec<(String, Element)>,
-    /// Byte behind the header, and its lines.
+    /// Offset of the first byte after the header, and number of header lines.
     end: usize,
     lines: u64,
 }
@@ -96,7 +96,7 @@ impl Header {
         Ok(())
     }
 
-    /// Columns of x, y and z among the properties.
+    /// Indices of x, y and z among the properties.
     fn columns(&self) -> Result<[usize; 3], String> {
         let column = |name: &str| {
             let at = self.properties.iter().position(|property| property.0 == name);

@@ -1,4 +1,4 @@
-//! Points as records of equal length, one after the other.
+//! Points as consecutive records of equal length.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use super::element::{Element, Order};
 /// A number in each record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
-    /// Byte of the record at which it begins.
+    /// Offset in the record [bytes].
     pub(super) offset: usize,
     pub(super) element: Element,
 }
@@ -22,7 +22,7 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// The points of `bytes`, in the unit of the file; those without a place are left out.
+    /// Decodes the points of `bytes`, in the unit of the file; points without a position are left out.
     pub(super) fn points(&self, bytes: &[u8]) -> Vec<DVec3> {
         let number = |record: &[u8], field: Field| {
             field.element.value(record.get(field.offset..).unwrap_or_default(), self.order)
@@ -33,7 +33,7 @@ impl Records {
     }
 }
 
-/// Says how many points were left out, and the unit that was assumed; scales points from millimetres.
+/// Scales points from millimetres. Returns notes on the number of omitted points, and on the assumed unit.
 pub(super) fn in_millimetres(points: &mut [DVec3], stated: usize, name: &str) -> Vec<String> {
     let mut notes = vec![format!("{name} of {stated} points; the format has no unit: mm are assumed")];
     if points.len() < stated {

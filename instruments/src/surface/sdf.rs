@@ -1,4 +1,4 @@
-//! Surface data files of ISO 25178-71 (`.sdf`), as text and binary, versions 1.0 and 2.0, and their forerunner BCR.
+//! Surface data files of ISO 25178-71 (`.sdf`), as text and binary, versions 1.0 and 2.0, and their predecessor BCR.
 
 use files::input::quoted;
 
@@ -9,9 +9,9 @@ use super::{Format, Source, Surface, missing, shape};
 use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "an SDF file (ISO 25178-71) without compression is expected";
-/// Bytes of the mark at the start.
+/// Bytes of the signature at the start.
 const MARK: usize = 8;
-/// Keys of a text's header, more than the standard has.
+/// Maximum number of keys of a text header, more than the standard has.
 const MOST_KEYS: usize = 64;
 
 /// Surface data files.
@@ -45,7 +45,7 @@ impl Format for SurfaceData {
     }
 }
 
-/// True for a text, and true for counts of 32 bits; `None` for another format.
+/// True for a text file, and true for 32-bit counts; `None` for another format.
 fn mark(bytes: &[u8]) -> Option<(bool, bool)> {
     let text = match bytes.first()? {
         b'a' => true,
@@ -64,7 +64,7 @@ struct Header {
     nx: usize,
     ny: usize,
     pitch: glam::DVec2,
-    /// Metres in a step.
+    /// SI value of a height step [m].
     step: f64,
     element: Element,
 }
@@ -92,7 +92,7 @@ impl Header {
         Ok(Self { nx, ny, pitch: shape::pitch(x, y)?, step: z, element })
     }
 
-    /// A map of numbers as they stand in the file.
+    /// The map from the stored numbers.
     fn surface(self, mut heights: Vec<f64>, mut notes: Vec<String>) -> Surface {
         let Self { nx, ny, pitch, step, element } = self;
         let code = missing_code(element);
@@ -109,7 +109,7 @@ impl Header {
     }
 }
 
-/// Number that stands for a missing height: the lowest of signed types and the highest of unsigned ones.
+/// Code for a missing height: the lowest number of signed types and the highest of unsigned ones.
 fn missing_code(element: Element) -> Option<f64> {
     Some(match element {
         Element::I8 => f64::from(i8::MIN),
@@ -125,7 +125,7 @@ fn missing_code(element: Element) -> Option<f64> {
 
 fn read_binary(bytes: &[u8], is_long: bool) -> Result<Surface, String> {
     let mut bytes = Bytes::new(bytes);
-    // Behind the mark stand the maker and two dates.
+    // The signature is followed by the manufacturer and two dates.
     bytes.take(MARK + 10 + 12 + 12)?;
     let mut count = || if is_long { bytes.u32().map(u64::from) } else { bytes.u16().map(u64::from) };
     let counts = (count()?, count()?);
@@ -150,7 +150,7 @@ fn read_text(words: &mut Words) -> Result<Surface, String> {
         return Err(format!("{} heights where {} x {} are stated", heights.len(), header.nx, header.ny));
     }
     match words.next() {
-        // Gwyddion writes no * behind the heights.
+        // Gwyddion writes no * after the heights.
         None if !words.ends_with_a_line() => return Err("a last height that is not ended".to_owned()),
         Some(word) if !word.starts_with(b"*") => {
             return Err(format!("more heights than the {} x {} that are stated", header.nx, header.ny));
@@ -160,7 +160,7 @@ fn read_text(words: &mut Words) -> Result<Surface, String> {
     Ok(header.surface(heights, numbers.notes().collect()))
 }
 
-/// Counts, scales, compression and type of a text's header.
+/// Counts, scales, compression and type of a text header.
 #[expect(clippy::type_complexity, reason = "the arguments of one check")]
 fn read_keys(words: &mut Words) -> Result<((u64, u64), [f64; 3], u8, u8), String> {
     let mut keys: [(&str, Option<f64>); 7] =
@@ -172,7 +172,7 @@ fn read_keys(words: &mut Words) -> Result<((u64, u64), [f64; 3], u8, u8), String
             let value = |at: usize| keys[at].1.ok_or_else(|| format!("no {} in the header", keys[at].0));
             let optional = |at: usize| keys[at].1.unwrap_or(0.0) as u8;
             let counts = (value(0)? as u64, value(1)? as u64);
-            // Heights as text need no type; an old one writes none.
+            // Heights in text form need no type; an old file has none.
             let kind = keys[6].1.map_or(7, |kind| kind as u8);
             return Ok((counts, [value(2)?, value(3)?, value(4)?], optional(5), kind));
         }

@@ -1,11 +1,11 @@
-//! Shapes of maps: how many pixels a file may claim, and which row is at the top.
+//! Checks of the stated shape and pitch of maps, and reversal of rows.
 
 use super::MOST_PIXELS;
 
-/// A shape that a file states.
+/// Checks a stated shape.
 ///
 /// # Errors
-/// The finding in words, where a side is zero or there are too many pixels.
+/// A description of the fault: a side of zero, or too many pixels.
 pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
     let count = nx.checked_mul(ny).filter(|count| (1..=MOST_PIXELS as u64).contains(count));
     match count {
@@ -14,10 +14,10 @@ pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
     }
 }
 
-/// A pitch that a file states [m].
+/// Checks a stated pitch [m].
 ///
 /// # Errors
-/// The finding in words, where it is not positive and finite.
+/// A description of the fault: a value that is not positive and finite.
 pub(super) fn pitch(x: f64, y: f64) -> Result<glam::DVec2, String> {
     let pitch = glam::DVec2::new(x, y);
     if pitch.is_finite() && pitch.cmpgt(glam::DVec2::ZERO).all() {
@@ -26,7 +26,7 @@ pub(super) fn pitch(x: f64, y: f64) -> Result<glam::DVec2, String> {
     Err(format!("pixels of {x} x {y} m"))
 }
 
-/// The rows in opposite order: those of an image run downwards, y of a map runs upwards.
+/// Reverses the order of the rows: those of an image run downwards, y of a map runs upwards.
 pub(super) fn turned(mut heights: Vec<f64>, nx: usize) -> Vec<f64> {
     let ny = heights.len().checked_div(nx).unwrap_or(0);
     for row in 0..ny / 2 {

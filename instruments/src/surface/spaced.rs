@@ -1,4 +1,4 @@
-//! Tables whose cells are separated by blanks, and comments above a table, as NumPy writes them.
+//! Tables with cells separated by spaces, and comments above a table, as NumPy writes them.
 
 use std::borrow::Cow;
 
@@ -7,13 +7,13 @@ use super::numbers::Numbers;
 use crate::misread::Misread;
 use crate::text_table::TextTable;
 
-/// Lines looked at.
+/// Number of lines for detection.
 const SAMPLE: usize = 50;
 
-/// The table of a text, in which runs of blanks between numbers are made one tab and comments above are left out.
+/// Parses a table after replacing runs of spaces between numbers by one tab and removing comments above.
 ///
 /// # Errors
-/// [`Misread`] where it is no text.
+/// [`Misread`] if it is not a text.
 pub(super) fn table<'a>(source: &Source<'a>) -> Result<TextTable<'a>, Misread> {
     let comments = comments(source.bytes);
     let is_spaced = is_spaced(source.bytes);
@@ -30,13 +30,13 @@ pub(super) fn table<'a>(source: &Source<'a>) -> Result<TextTable<'a>, Misread> {
     Ok(table)
 }
 
-/// Bytes of the comments above a table.
+/// Length of the comments above a table [bytes].
 fn comments(text: &[u8]) -> usize {
     let lines = text.split_inclusive(|&c| c == b'\n');
     lines.take_while(|line| line.starts_with(b"#") || line.starts_with(b"%")).map(<[u8]>::len).sum()
 }
 
-/// The same lines, those of comments empty.
+/// The same lines, with the comments emptied.
 fn without_comments(text: &[u8], comments: usize) -> Vec<u8> {
     let lines = text[..comments].iter().filter(|&&c| c == b'\n').count();
     let mut kept = vec![b'\n'; lines];
@@ -44,7 +44,7 @@ fn without_comments(text: &[u8], comments: usize) -> Vec<u8> {
     kept
 }
 
-/// True if the first lines below comments are numbers with blanks between them and nothing else.
+/// True if the first lines below comments consist only of numbers separated by spaces.
 pub(super) fn is_spaced(text: &[u8]) -> bool {
     let text = &text[comments(text)..];
     let lines = || text.split(|&c| c == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()).take(SAMPLE);
@@ -58,7 +58,7 @@ pub(super) fn is_spaced(text: &[u8]) -> bool {
         && lines().all(is_row)
 }
 
-/// Runs of blanks as one tab.
+/// Replaces runs of spaces by one tab.
 fn with_tabs(text: &[u8]) -> Vec<u8> {
     let mut tabbed = Vec::with_capacity(text.len());
     for line in text.split_inclusive(|&c| c == b'\n') {

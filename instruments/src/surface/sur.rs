@@ -1,4 +1,4 @@
-//! Digital Surf surfaces (`.sur`) of MountainsMap: a header of 512 bytes, then whole numbers, plain or packed.
+//! Digital Surf surfaces (`.sur`) of MountainsMap: a header of 512 bytes, then integers, plain or compressed.
 //!
 //! Layout as in the public readers of Gwyddion 2.62 (`surffile.c`) and surfalize 0.19.
 
@@ -18,11 +18,11 @@ const PACKED: &[u8] = b"DSCOMPRESSED";
 const HEADER: usize = 512;
 /// Bytes of a unit or a name.
 const WORD: usize = 16;
-/// Difference of the code for a missing height to the lowest height.
+/// Difference between the lowest height and the code for a missing height.
 const MISSING_BELOW: i32 = 2;
 /// Largest height that is written [steps].
 const MOST_STEPS: f64 = (1_u32 << 30) as f64;
-/// Packed streams of a file; the format's present version has one.
+/// Maximum number of compressed streams of a file; the current version of the format has one.
 const MOST_STREAMS: usize = 1024;
 const ACCEPTED: &str = "a Digital Surf surface (.sur) with heights of 16 or 32 bits is expected";
 
@@ -56,7 +56,7 @@ struct Header {
     nx: usize,
     ny: usize,
     pitch: glam::DVec2,
-    /// Metres in a step, and height of step zero [m].
+    /// SI value of a step, and height of step zero [m].
     scale: (f64, f64),
     inverted: i16,
     /// Bytes of comments between header and heights.
@@ -126,7 +126,7 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
         notes.push(format!("the first of {} objects is read", header.objects));
     }
     notes.extend(mark_missing(&mut heights, header.missing));
-    // 1 to 3 say that heights are upside down; 2 also mirrors x, 3 also y.
+    // 1 to 3 mean that heights are inverted; 2 also mirrors x, 3 also y.
     let sign = if (1..=3).contains(&header.inverted) { -1.0 } else { 1.0 };
     heights.iter_mut().for_each(|height| *height = sign * (*height * header.scale.0 + header.scale.1));
     if header.inverted == 2 {
@@ -138,7 +138,7 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
     Ok(Surface { format: DigitalSurf.name(), nx, ny, pitch: Some(header.pitch), origin: None, heights, notes })
 }
 
-/// Takes the file's code as missing.
+/// Replaces the file's code for missing heights by NaN.
 fn mark_missing(heights: &mut [f64], code: Option<f64>) -> Option<String> {
     let code = code?;
     let cells = heights.iter_mut().filter(|height| **height == code);
@@ -146,7 +146,7 @@ fn mark_missing(heights: &mut [f64], code: Option<f64>) -> Option<String> {
     (count > 0).then(|| missing::said(count, &format!("{code}")))
 }
 
-/// The heights of a packed file: a list of streams with their lengths, then the streams.
+/// The heights of a compressed file: a list of stream lengths, then the streams.
 fn unpack(bytes: &mut Bytes, length: usize) -> Result<Vec<u8>, String> {
     let streams = bytes.u32()? as usize;
     if streams > MOST_STREAMS {
@@ -173,7 +173,7 @@ fn unpack(bytes: &mut Bytes, length: usize) -> Result<Vec<u8>, String> {
     Ok(data)
 }
 
-/// The bytes of a file with heights of 32 bits in steps of a power of two micrometres.
+/// The bytes of a file with 32-bit heights, in steps of a power of two micrometres.
 ///
 /// # Errors
 /// [`Unwritable`] without a pitch or without any height.
@@ -201,7 +201,7 @@ pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, Unwritable> {
     Ok(bytes)
 }
 
-/// A header for spacings in micrometres and the lowest and highest step.
+/// A header for spacings in micrometres, and the lowest and highest step.
 fn header_of(surface: &Surface, spacing: [f32; 3], (low, high): (i32, i32)) -> Vec<u8> {
     let mut header = vec![0; HEADER];
     let mut put = |byte: usize, bytes: &[u8]| header[byte..][..bytes.len()].copy_from_slice(bytes);

@@ -11,9 +11,9 @@ use crate::misread::{Misread, Place};
 
 const ACCEPTED: &str = "an image of one channel of heights whose ImageDescription states their unit is expected, \
                         as z_unit=um, and z_scale=0.01 where a step is not one unit";
-/// Bytes that the packings of TIFF put into one at most.
+/// Maximum compression ratio of TIFF's compressions.
 const MOST_PACKED: usize = 1100;
-/// Bytes of a tag.
+/// Maximum number of bytes of a tag.
 const MOST_TAG: usize = 1 << 20;
 
 /// TIFF images.
@@ -68,7 +68,7 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
     Ok(Surface { format: Tiff.name(), nx, ny, pitch: statement.pitch, origin: None, heights, notes })
 }
 
-/// Bytes that an image in a file of that length may come to.
+/// Maximum number of bytes of a decoded image, for a file of a length.
 fn limits(length: usize, is_plain: bool) -> Limits {
     let mut limits = Limits::default();
     let most = if is_plain { length } else { length.saturating_mul(MOST_PACKED) };

@@ -1,6 +1,6 @@
-//! The scales that a TIFF image states.
+//! Scales stated in a TIFF image.
 //!
-//! A description holds pairs of a key and a value, as lines `key=value` (ImageJ) or as JSON (tifffile).
+//! A description contains pairs of a key and a value, as lines `key=value` (ImageJ) or as JSON (tifffile).
 
 use std::io::{Read, Seek};
 
@@ -24,19 +24,19 @@ const LATERAL: [&str; 4] = ["xy_unit", "pitch_unit", "pixel_unit", "unit"];
 
 /// Scales of an image.
 pub(super) struct Statement {
-    /// Metres in a step, and height of step zero [m].
+    /// SI value of a step, and height of step zero [m].
     pub(super) step: f64,
     pub(super) offset: f64,
-    /// Distance between pixels [m], where it is stated.
+    /// Distance between pixels [m], if stated.
     pub(super) pitch: Option<DVec2>,
     unit: String,
 }
 
 impl Statement {
-    /// The scales in the tags of an image.
+    /// Reads the scales in the tags of an image.
     ///
     /// # Errors
-    /// The finding in words, where heights have no unit.
+    /// A description of the fault: heights without a unit.
     pub(super) fn of<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
         let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
         let pairs = pairs(&description);
@@ -73,12 +73,12 @@ impl Statement {
     }
 }
 
-/// Distance between pixels by the tags of resolution, in the unit that those or the description state [m].
+/// Distance between pixels [m] from the resolution tags, in their unit or that of the description.
 fn resolution<R: Read + Seek>(decoder: &mut Decoder<R>, lateral: Option<f64>) -> Option<DVec2> {
     let unit = match decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok()? {
         Some(3) => 0.01,
         Some(1) => lateral?,
-        // A number of dots per inch is what programs write that know nothing of sizes.
+        // Dots per inch are the default of programs that do not know sizes.
         _ => return None,
     };
     let mut per_unit = |tag: Tag| match decoder.find_tag(tag).ok()?? {
@@ -89,7 +89,7 @@ fn resolution<R: Read + Seek>(decoder: &mut Decoder<R>, lateral: Option<f64>) ->
     Some(unit / resolution)
 }
 
-/// Keys in small letters and values of a description.
+/// Lower-case keys and values of a description.
 fn pairs(description: &str) -> Vec<(String, String)> {
     let bare = |text: &str| text.trim().trim_matches('"').trim().replace("\\u00B5", "µ").replace("\\u00b5", "µ");
     let parts = description.split(['\n', '\r', ',', ';', '{', '}']);

@@ -1,6 +1,6 @@
-//! Units of length by the names that files give them.
+//! Units of length by their names in files.
 
-/// Names and metres; the first name of a length is the one that messages use.
+/// Names and SI values [m]; messages use the first name of each length.
 const UNITS: [(&str, f64); 25] = [
     ("m", 1.0),
     ("cm", 1e-2),
@@ -21,7 +21,7 @@ const UNITS: [(&str, f64); 25] = [
     ("um", 1e-6),
     ("μm", 1e-6),
     ("\u{fffd}m", 1e-6),
-    // The sign of micro in the code page of MS-DOS, read as Latin-1.
+    // The micro sign in the code page of MS-DOS, read as Latin-1.
     ("æm", 1e-6),
     ("micron", 1e-6),
     ("microns", 1e-6),
@@ -30,16 +30,16 @@ const UNITS: [(&str, f64); 25] = [
     ("nanometer", 1e-9),
 ];
 
-/// Metres in a unit of length.
+/// SI value of a unit of length [m].
 pub(super) fn metres(name: &str) -> Option<f64> {
     let name = name.trim();
     let exact = UNITS.iter().find(|(known, _)| *known == name);
-    // A large M is mega, so that short names are not looked for in small letters.
+    // A capital M is mega, so short names are compared with case.
     let lower = || UNITS.iter().find(|(known, _)| known.len() > 3 && known.eq_ignore_ascii_case(name));
     exact.or_else(lower).map(|(_, metres)| *metres)
 }
 
-/// Name of a length of that many metres.
+/// Name of the unit with this SI value [m].
 pub(super) fn name(metres: f64) -> &'static str {
     UNITS.iter().find(|(_, known)| *known == metres).map_or("m", |(name, _)| name)
 }

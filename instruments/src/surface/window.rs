@@ -1,4 +1,4 @@
-//! The pixels at which a surface without pixels of its own is looked at.
+//! The pixels at which a surface without pixels of its own is sampled.
 
 use glam::DVec2;
 use sdf_bake::PixelGrid;
@@ -6,22 +6,22 @@ use sdf_bake::PixelGrid;
 use super::{MOST_PIXELS, Source};
 use crate::misread::{Misread, Place};
 
-/// Part of a pixel by which a surface may miss the last one.
+/// Tolerance of a surface's end at the last pixel [pixels].
 const LAST_PIXEL: f64 = 1e-6;
 
-/// The rectangle that a surface covers, seen from above.
+/// The rectangle covered by a surface, seen from above.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     /// Lowest x and y [m].
     low: DVec2,
     /// Highest x and y [m].
     high: DVec2,
-    /// Points that make the surface.
+    /// Number of points of the surface.
     points: usize,
 }
 
 impl Extent {
-    /// The extent of places [m] that stand for a number of points spread evenly over it.
+    /// The extent of positions [m] that represent a number of points spread evenly over it.
     pub(super) fn of(places: impl Iterator<Item = DVec2>, points: usize) -> Self {
         let nothing = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let (low, high) = places.fold(nothing, |(low, high), place| (low.min(place), high.max(place)));
@@ -29,10 +29,10 @@ impl Extent {
     }
 
     /// The pixels of the source's window. Without a pitch, there are as many pixels as points; without an origin, the
-    /// first pixel is the surface's low corner; without a shape, pixels reach to its end.
+    /// first pixel is the surface's lowest corner; without a shape, pixels extend to its end.
     ///
     /// # Errors
-    /// [`Misread`] where the surface lies beside the window, or there are too many pixels.
+    /// [`Misread`] if the surface lies outside the window, or there are too many pixels.
     pub(super) fn pixels(&self, source: &Source) -> Result<PixelGrid, Misread> {
         let span = self.high - self.low;
         let window = source.window;
@@ -50,7 +50,7 @@ impl Extent {
         Ok(PixelGrid { origin, pitch, nx, ny })
     }
 
-    /// The error that the surface lies beside the window.
+    /// An error for a surface outside the window.
     pub(super) fn beside(&self, source: &Source) -> Misread {
         let (low, high) = (self.low * 1e3, self.high * 1e3);
         let found = format!("the surface spans x {:.2} to {:.2} mm, y {:.2} to {:.2} mm", low.x, high.x, low.y, high.y);

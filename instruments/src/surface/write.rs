@@ -1,4 +1,4 @@
-//! Height maps as files that MountainsMap, Gwyddion and others open.
+//! Writing of height maps for MountainsMap, Gwyddion and others.
 
 use std::path::Path;
 
@@ -7,19 +7,19 @@ use thiserror::Error;
 
 use super::{Surface, esri, sur, x3p_write};
 
-/// Why a map is not written.
+/// Error of a map that cannot be written.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum Unwritable {
-    /// The extension is of no format that is written.
+    /// The extension belongs to no supported format.
     #[error("{name}: no height map is written with this extension; .sur, .x3p and .asc are")]
     Extension {
         /// The file name.
         name: String,
     },
-    /// The pixels have no size.
+    /// The pixels have no pitch.
     #[error("the map states no pitch; a distance between pixels is needed")]
     NoPitch,
-    /// Nothing was measured.
+    /// All heights are missing.
     #[error("every pixel is missing; at least one height is needed")]
     NoHeight,
     /// Shape and number of heights differ.
@@ -32,15 +32,15 @@ pub enum Unwritable {
         /// Number of heights.
         heights: usize,
     },
-    /// The zip could not be made.
+    /// The zip cannot be created.
     #[error("the zip cannot be made: {0}")]
     Zip(String),
 }
 
 /// The bytes of a file with a map, in the format of the file's extension: `.sur`, `.x3p` or `.asc`.
 ///
-/// X3P keeps each height bit by bit. ESRI's ASC holds millimetres, so that a height may change by a rounding. SUR has
-/// whole steps of a power of two micrometres, at most 2⁻²⁹ of the largest height, and pitches of 32 bits.
+/// X3P keeps every bit of each height. ESRI's ASC holds millimetres, so a height may change by rounding. SUR has
+/// integer steps of a power of two micrometres, at most 2⁻²⁹ of the largest height, and 32-bit pitches.
 ///
 /// # Errors
 /// [`Unwritable`]

@@ -11,12 +11,12 @@ use super::element::{Element, Order};
 use super::{Format, MOST_PIXELS, Source, Surface};
 use crate::misread::{Misread, Place};
 
-/// Description of the file.
+/// Zip member with the description.
 const MAIN: &str = "main.xml";
-/// Names of members that errors may repeat.
+/// Names of members that error messages may repeat.
 const MEMBERS: &[&str] = &[MAIN, "bindata/data.bin", "bindata/valid.bin"];
 
-/// Entry of a matrix that is no rotation worth a word.
+/// Magnitude below which an entry of the rotation matrix counts as zero for a note.
 const ROTATION: f64 = 1e-9;
 
 const ACCEPTED: &str = "an X3P file (ISO 25178-72) with one matrix of heights is expected";
@@ -42,17 +42,17 @@ impl Format for X3p {
     }
 }
 
-/// The matrix as `main.xml` describes it.
+/// The matrix as described in `main.xml`.
 struct Description {
     nx: usize,
     ny: usize,
     pitch: DVec2,
-    /// Metres in a step of z, and height of step zero [m].
+    /// SI value of a step of z, and height of step zero [m].
     scale: (f64, f64),
     kind: Element,
-    /// True if axes are rotated.
+    /// True if the axes are rotated.
     is_rotated: bool,
-    /// Member with the heights, and one with a bit for each valid pixel.
+    /// Zip member with the heights, and one with a bit for each valid pixel.
     members: (String, Option<String>),
 }
 
@@ -128,7 +128,7 @@ impl Description {
     }
 }
 
-/// True if the axes have a matrix of rotation other than the unit matrix.
+/// True if the axes have a rotation matrix other than the identity.
 fn is_rotated(root: Node) -> bool {
     let entry = |row: usize, column: usize| {
         let path = ["Record1", "Axes", "Rotation", &format!("r{row}{column}")];

@@ -1,4 +1,4 @@
-//! X3P files (ISO 25178-72) of a map: heights as 64-bit numbers in metres, NaN where nothing was measured.
+//! Writing of X3P files (ISO 25178-72): heights as 64-bit numbers in metres, NaN for missing ones.
 
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
@@ -10,7 +10,7 @@ use zip::{DateTime, ZipWriter};
 use super::Surface;
 use super::write::{Unwritable, pitch_of};
 
-/// Member with the heights.
+/// Zip member with the heights.
 const HEIGHTS: &str = "bindata/data.bin";
 
 /// The bytes of a file.
@@ -25,7 +25,7 @@ pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, Unwritable> {
     zipped(&members).map_err(|error| Unwritable::Zip(error.to_string()))
 }
 
-/// Members in a zip that states no time.
+/// A zip of members without time stamps.
 fn zipped(members: &[(&str, &[u8])]) -> Result<Vec<u8>, zip::result::ZipError> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
@@ -36,7 +36,7 @@ fn zipped(members: &[(&str, &[u8])]) -> Result<Vec<u8>, zip::result::ZipError> {
     Ok(zip.finish()?.into_inner())
 }
 
-/// MD5 in capital letters.
+/// MD5 in upper-case hexadecimal digits.
 fn checksum(bytes: &[u8]) -> String {
     Md5::digest(bytes).iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02X}");
@@ -44,7 +44,7 @@ fn checksum(bytes: &[u8]) -> String {
     })
 }
 
-/// The `main.xml`; dates, which the schema demands, are the first of 1970.
+/// The `main.xml`; dates, which the schema requires, are the first of January 1970.
 fn description(surface: &Surface, checksum: &str) -> Result<String, Unwritable> {
     let pitch = pitch_of(surface)?;
     let origin = surface.origin.unwrap_or_default();

@@ -41,11 +41,11 @@ impl Format for PointList {
     }
 }
 
-/// Points as they stand in the file.
+/// Points as stored in the file.
 struct List {
     points: Vec<DVec3>,
     numbers: Numbers,
-    /// Points without a place.
+    /// Number of points without a position.
     nowhere: usize,
 }
 
@@ -71,7 +71,7 @@ impl List {
         Ok(())
     }
 
-    /// The point on a line, or the column where there is none, from 0.
+    /// The point on a line, or the column without a number, from 0.
     fn point(&mut self, row: &[u8], layout: &Layout) -> Result<DVec3, (usize, String)> {
         let mut point = [f64::NAN; 3];
         let (mut found, mut columns) = (0, 0);
@@ -103,7 +103,7 @@ impl List {
 }
 
 impl Layout {
-    /// A sentence on what is listed, and in which units.
+    /// A sentence on the columns and their units.
     fn said(&self) -> String {
         match self.units {
             [None, None, None] => "a list of x, y, z; no unit is stated: mm are assumed".to_owned(),

@@ -1,20 +1,20 @@
-//! The columns, units and separators of a list of points, sniffed from its first lines.
+//! Detection of the columns, units and separators of a list of points from its first lines.
 
 use super::numbers::Numbers;
 use super::{Source, unit};
 
-/// Lines that a header may have.
+/// Maximum number of header lines.
 const MOST_HEADER: usize = 100;
-/// Lines of points looked at.
+/// Number of point lines for detection.
 const SAMPLE: usize = 50;
-/// Fewest points of a list.
+/// Minimum number of points of a list.
 const FEWEST: usize = 4;
 
 /// The separator of the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Separator {
     Byte(u8),
-    /// Any number of blanks, also around a comma.
+    /// Any number of spaces, also around a comma.
     Blanks,
 }
 
@@ -26,15 +26,15 @@ pub(super) struct Layout {
     pub(super) decimal_comma: bool,
     /// Columns of x, y and z, from 0.
     pub(super) columns: [usize; 3],
-    /// Metres in the units of x, y and z, where the header states them.
+    /// SI value of the units of x, y and z [m], if the header states them.
     pub(super) units: [Option<f64>; 3],
-    /// Byte of the first point, and lines before it.
+    /// Offset of the first point [bytes], and number of lines before it.
     pub(super) start: usize,
     pub(super) lines_before: u64,
 }
 
 impl Layout {
-    /// The layout of a file; `None` if it is no list of points.
+    /// The layout of a file; `None` if it is not a list of points.
     ///
     /// A list has three columns, or a header that names x, y and z, or the extension `.xyz`.
     pub(super) fn of(source: &Source) -> Option<Self> {
@@ -56,7 +56,7 @@ impl Layout {
         if !is_list || columns.iter().any(|&column| column >= width) || text[..start.min(text.len())].contains(&0) {
             return None;
         }
-        // Most have a place, or this is a grid of three columns with empty cells.
+        // Most lines have a position; otherwise this is a grid of three columns with empty cells.
         let is_placed = |row: &[u8]| columns[..2].iter().all(|&column| separator.is_finite(row, column));
         if 2 * sample().filter(|row| is_placed(row)).count() < sample().count() {
             return None;
@@ -78,7 +78,7 @@ impl Layout {
     }
 }
 
-/// The lines above the first point, and the byte at which that begins.
+/// The lines above the first point, and the offset of that point.
 fn header_of(text: &[u8]) -> (Vec<String>, usize) {
     let (mut start, mut header) = (0, Vec::<String>::new());
     for line in text.split(|&c| c == b'\n').take(MOST_HEADER) {
@@ -138,18 +138,18 @@ impl Separator {
     }
 }
 
-/// A cell without blanks and quotation marks.
+/// A cell without spaces and quotation marks.
 fn unquoted(cell: &[u8]) -> &[u8] {
     let cell = cell.trim_ascii();
     cell.strip_prefix(b"\"").and_then(|cell| cell.strip_suffix(b"\"")).unwrap_or(cell)
 }
 
-/// True if a line holds the number of points.
+/// True if a line gives the number of points.
 fn is_count(row: &[u8]) -> bool {
     row.iter().all(u8::is_ascii_digit)
 }
 
-/// The names of a line that may stand above columns, without units in brackets.
+/// The names in a possible header line, without units in brackets.
 fn names(line: &str) -> Vec<String> {
     let line = line.trim_start_matches(['#', '/', '%', '!', ' ']).to_lowercase();
     let mut depth = 0;
@@ -168,7 +168,7 @@ fn names(line: &str) -> Vec<String> {
     names.filter(|name| has_separator || !name.is_empty()).collect()
 }
 
-/// Columns of x, y and z by their names.
+/// Columns of x, y and z from their names.
 fn columns_of(line: &str) -> Option<[usize; 3]> {
     let names = names(line);
     let column = |wanted: &[&str]| {
@@ -181,7 +181,7 @@ fn columns_of(line: &str) -> Option<[usize; 3]> {
     Some([column(&["x"])?, column(&["y"])?, column(&["z", "height", "h", "hoehe", "höhe"])?])
 }
 
-/// Units that the lines of a header state for x, y and z.
+/// Units of x, y and z stated in the header lines.
 fn units_of(header: &[String]) -> [Option<f64>; 3] {
     let mut units = [None; 3];
     for line in header {
@@ -213,7 +213,7 @@ fn units_of(header: &[String]) -> [Option<f64>; 3] {
     units
 }
 
-/// Units in a line of names: in brackets, or behind `_` or a blank.
+/// Units in a line of names: in brackets, or after `_` or a space.
 fn stated(line: &str) -> impl Iterator<Item = f64> {
     let is_between = |c: char| "()[],;\t _/#\"".contains(c);
     line.split(is_between).filter(|word| !word.is_empty()).filter_map(unit::metres)

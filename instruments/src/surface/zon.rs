@@ -1,4 +1,4 @@
-//! Measurements of Keyence's VR series (`.zon`): a preview, then a zip whose members may be packed again with zstd.
+//! Measurements of Keyence's VR series (`.zon`): a preview, then a zip whose members may also be compressed with zstd.
 //!
 //! Layout as in the public readers surfalize 0.19 and SurfaceTopography 1.27; names of members are fixed.
 
@@ -13,13 +13,13 @@ use super::element::{Element, Order};
 use super::{Format, MOST_PIXELS, Source, Surface, shape};
 use crate::misread::{Misread, Place};
 
-/// Members with heights, with a byte for each pixel, and with the sizes of a pixel and a step.
+/// Zip members with the heights, with a byte for each pixel, and with the sizes of a pixel and a step.
 const HEIGHTS: &str = "4cdb0c75-5706-48cc-a9a1-adf395d609ae";
 const STATES: &str = "9e7ca6dd-0e6a-4d7b-8986-f0a7b773c916";
 const SIZES: &str = "686613b8-27b5-4a29-8ffc-438c2780873e";
-/// First bytes of a member that is packed again.
+/// First bytes of a member that is compressed with zstd.
 const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
-/// Bits of a pixel's state: not measured, and left out by the operator.
+/// Bits of a pixel's state: not measured, and excluded by the operator.
 const UNMEASURED: u8 = 1;
 const EXCLUDED: u8 = 2;
 /// Bytes before the numbers of a member.
@@ -67,7 +67,7 @@ fn read(bytes: &[u8]) -> Result<Surface, String> {
     Ok(Surface { format: KeyenceZon.name(), nx, ny, pitch, origin: None, heights, notes })
 }
 
-/// Takes pixels as missing by their states, and says why.
+/// Marks pixels as missing by their states; returns the reasons.
 fn mark_missing(heights: &mut [f64], states: &[f64]) -> Vec<String> {
     let reasons = [(UNMEASURED, "were not measured"), (EXCLUDED, "were left out by the operator")];
     let mut notes = Vec::new();
@@ -87,7 +87,7 @@ fn most(element: Element) -> u64 {
     (MOST_PIXELS * element.size() * 2 + HEAD) as u64
 }
 
-/// A member, unpacked where it is packed again.
+/// A member, decompressed if it is compressed with zstd.
 fn unpacked(archive: &mut Archive, name: &str, most: u64) -> Result<Vec<u8>, String> {
     let bytes = archive.member(name, most)?;
     if !bytes.starts_with(ZSTD) {
@@ -114,7 +114,7 @@ fn matrix(bytes: &[u8], element: Element) -> Result<(usize, usize, Vec<f64>), St
     Ok((nx, ny, numbers.collect()))
 }
 
-/// Metres in a pixel and in a step of height.
+/// SI values of a pixel and of a height step [m].
 fn sizes(xml: &[u8]) -> Result<(f64, f64), String> {
     let text = std::str::from_utf8(xml).map_err(|_| "sizes that are not UTF-8".to_owned())?;
     let document = Document::parse(text.trim_start_matches('\u{feff}'))

@@ -1,4 +1,4 @@
-//! Bytes of formats that no program of others writes, made from what public readers say of them.
+//! Encoders of formats that no other available program writes, made from public readers.
 
 use std::io::{Cursor, Write};
 
@@ -22,7 +22,7 @@ fn rows<T>(value: impl Fn(usize, usize) -> T) -> Vec<T> {
     (0..NX * NY).map(|at| value(at % NX, NY - 1 - at / NX)).collect()
 }
 
-/// All of them, by the names of their files.
+/// All of them, with their file names.
 pub fn all() -> [(&'static str, Vec<u8>); 5] {
     [("map.plux", plux()), ("map.vk4", vk4()), ("map.vk6", vk6()), ("map.zon", zon(false)), ("packed.zon", zon(true))]
 }
@@ -61,7 +61,7 @@ pub fn vk4() -> Vec<u8> {
     put(&places);
     put(&[0]);
     put(&conditions);
-    // Two texts without a letter.
+    // Two empty texts.
     put(&[0, 0]);
     put(&image);
     put(&[0; 192]);
@@ -69,14 +69,14 @@ pub fn vk4() -> Vec<u8> {
     bytes
 }
 
-/// A Keyence VK6: a mark, a preview and a zip around a VK4.
+/// A Keyence VK6: a signature, a preview and a zip around a VK4.
 pub fn vk6() -> Vec<u8> {
     let mut bytes = b"VK6\0\0\0\0".to_vec();
     bytes.extend(zipped(&[("Vk4File", vk4())]));
     bytes
 }
 
-/// A Keyence ZON, heights in steps of 1 nm, its members packed again or not.
+/// A Keyence ZON, heights in steps of 1 nm, its members also compressed with zstd or not.
 pub fn zon(packs: bool) -> Vec<u8> {
     let preview = b"BM\x0e\0\0\0\0\0\0\0\0\0\0\0";
     let mut bytes = if packs { b"KPK1".to_vec() } else { b"KPK0".to_vec() };
@@ -87,7 +87,7 @@ pub fn zon(packs: bool) -> Vec<u8> {
     };
     let mut heights = head(4, 4 * NX);
     heights.extend(rows(|i, j| (height(i, j) * 1e9).round() as i32).iter().flat_map(|step| step.to_le_bytes()));
-    // Rows of the states are filled up to a multiple of eight bytes and more.
+    // Rows of the states are padded to a multiple of eight bytes and more.
     let mut states = head(1, NX + 8);
     let state = |i, j| if is_hole(i, j) { 1 + (i % 2) as u8 } else { 0 };
     for row in rows(state).chunks(NX) {

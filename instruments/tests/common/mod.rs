@@ -1,4 +1,4 @@
-//! The map that all sample files hold, and how it is compared.
+//! The map in all sample files, and its comparison.
 
 #![allow(dead_code, reason = "each test uses a part")]
 
@@ -17,20 +17,20 @@ pub const PITCH: DVec2 = DVec2::new(5e-6, 4e-6);
 /// Height range of the map, rounded up [m].
 pub const FULL: f64 = 2.5e-5;
 
-/// Which of the pixels a file holds.
+/// Selects which of the pixels a file holds.
 #[derive(Clone, Copy, PartialEq)]
 pub enum MapOf {
     Holes,
     Everything,
 }
 
-/// Height of a pixel [m], as `files/scripts/shape.py` has it.
+/// Height of a pixel [m], as in `files/scripts/shape.py`.
 pub fn height(i: usize, j: usize) -> f64 {
     let (i, j) = (i as f64, j as f64);
     1e-6 * (0.3 * i + 0.5 * j + 2.0 * (0.7 * i).sin() + (0.9 * j).cos() + 0.02 * i * j)
 }
 
-/// True if nothing was measured at a pixel.
+/// True if a pixel is missing.
 pub fn is_hole(i: usize, j: usize) -> bool {
     (7 * i + 11 * j).is_multiple_of(37)
 }

@@ -1,6 +1,6 @@
-//! Damage to the bytes of a file: cuts at every length, and flips, insertions and copies from a seeded stream.
+//! Damage to the bytes of a file: truncation at every length, and flips, insertions and copies from a seeded stream.
 
-/// Damaged files for each kind of damage.
+/// Number of damaged files for each kind of damage.
 const TRIES: usize = 400;
 
 /// A stream of numbers from a seed, after G. Marsaglia, "Xorshift RNGs", 2003.

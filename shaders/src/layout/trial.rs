@@ -5,13 +5,13 @@ use bytemuck::{Pod, Zeroable};
 use super::SharedType;
 
 shared_struct! {
-    /// What a trial is made with.
+    /// Constant inputs of a trial.
     TrialSetup {
         /// Brick coordinates of the first index entry [bricks]; the fourth is 0.
         grid_origin: [i32; 4],
-        /// Index entries per axis [bricks]; the fourth is where they begin.
+        /// Index entries per axis [bricks]; the fourth is the offset of the first entry.
         grid_dims: [u32; 4],
-        /// Least and greatest x, then y, of what the tool can touch [voxels].
+        /// Least and greatest x, then y, of the region that the tool can touch [voxels].
         extent: [f32; 4],
         /// Half length of the whole tool along the feed and across it [voxels].
         whole_extent: [f32; 4],
@@ -23,31 +23,31 @@ shared_struct! {
         band: f32,
         /// Distance up to which φ carries the zero set [m].
         kept_length: f32,
-        /// Infinity, which WGSL cannot write down.
+        /// Infinity, which WGSL cannot express.
         infinity: f32,
-        /// First brick in the pool of the asset that trials share.
+        /// First brick in the pool of the asset that the trial shares with others.
         first_brick: u32,
-        /// Bricks of that asset: slots from there on are the trial's own.
+        /// Bricks of that asset; slots from this number on are the trial's own.
         shared_bricks: u32,
-        /// First brick in the pool of the trial's own.
+        /// First of the trial's own bricks in the pool.
         spare_first: u32,
-        /// Bricks that the trial has room for.
+        /// Number of own bricks allocated to the trial.
         spare_bricks: u32,
-        /// Where in the index the sources of the trial's own bricks begin.
+        /// Offset in the index of the sources of the trial's own bricks.
         source_first: u32,
-        /// Where the trial's columns begin.
+        /// Offset of the trial's column arrays.
         column_first: u32,
-        /// Lines for which there is room.
+        /// Number of columns allocated.
         column_lines: u32,
-        /// First piece of the path.
+        /// First segment of the path.
         path_first: u32,
-        /// Pieces of the path; the entry after them is its end.
+        /// Number of segments of the path; the entry after them is its end.
         path_pieces: u32,
         /// First row of the log.
         log_first: u32,
-        /// Rows of the log, which is a ring.
+        /// Number of rows of the log, a ring buffer.
         log_rows: u32,
-        /// Where the trial's values begin.
+        /// Offset of the trial's values.
         value_first: u32,
         /// Kind of tool.
         tool: u32,
@@ -57,7 +57,7 @@ shared_struct! {
         tool_half_width: f32,
         /// Curvature of a wheel's rim along the axis [1/voxel].
         tool_crown: f32,
-        /// Radius that turns a spindle speed into the rim speed [voxels].
+        /// Radius that multiplies the spindle speed to give the rim speed [voxels].
         rim_radius: f32,
         /// Distance from the reference point down to the lowest point [voxels].
         drop: f32,
@@ -73,23 +73,23 @@ shared_struct! {
         force_setpoint: f32,
         /// Speed of the spindle [rad/s].
         spindle_speed: f32,
-        /// Way of the tool in a step [voxels].
+        /// Distance of the tool in a step [voxels].
         step_way: f32,
-        /// Way of the tool on a sheet [voxels].
+        /// Distance of the tool on a height field [voxels].
         commit_way: f32,
-        /// The tool is sought this far above and below its path [voxels].
+        /// Search range for the tool's travel above and below its path [voxels].
         search_reach: f32,
         /// Thickness of the coating [m].
         coating: f32,
         /// Longest step [s].
         longest_step: f32,
-        /// Whether an admittance is stepped at its period only where its dynamics matter.
+        /// 1 if an admittance controller is stepped at its period only where its dynamics matter.
         quasi_static: u32,
-        /// Whether the surface recedes.
+        /// 1 if the surface recedes.
         grinds: u32,
-        /// Whether pressure and recession may be anything but straight lines in the depth.
+        /// 1 if pressure or recession may be nonlinear in the depth.
         bends: u32,
-        /// Whether coating is taken off.
+        /// 1 if coating is removed.
         sands: u32,
         /// Row of parameters that have one value per pass.
         pass_row: u32,
@@ -97,37 +97,37 @@ shared_struct! {
         most_steps: u32,
         /// End of the approach: blocks of time.
         approach_blocks: i32,
-        /// The rest of it [s].
+        /// Its remainder [s].
         approach_rest: f32,
         /// End of the path: blocks of time.
         duration_blocks: i32,
-        /// The rest of it [s].
+        /// Its remainder [s].
         duration_rest: f32,
         /// Time since the trial's first pass began [s].
         trial_time: f32,
         /// Length of the path [m].
         path_length: f32,
-        /// Nothing.
+        /// Padding.
         padding_a: u32,
-        /// Nothing.
+        /// Padding.
         padding_b: u32,
     }
 }
 
 shared_struct! {
-    /// How far a trial is.
+    /// State of a trial.
     TrialState {
-        /// First line of the window along u and v [voxels].
+        /// Index of the first line of the window along u and v [voxels].
         window_low: [i32; 4],
-        /// Lines along u and v.
+        /// Number of lines along u and v.
         window_size: [u32; 4],
         /// Window that the step needs: first lines and numbers of lines.
         wanted: [i32; 4],
-        /// First row and place, rows and places that the step looks at.
+        /// First row and column position, and number of rows and columns, of the region that the step evaluates.
         region: [u32; 4],
-        /// The same where the start of the step was measured.
+        /// The same for the measurement at the start of the step.
         start_region: [u32; 4],
-        /// The same whose voxels change when the sheet is written back.
+        /// The same for the columns whose voxels change when the height field is written back.
         changed: [u32; 4],
         /// Least and greatest x, then y, of the contact in the tool's frame [voxels].
         extent: [f32; 4],
@@ -137,97 +137,97 @@ shared_struct! {
         tilt: [f32; 4],
         /// Sweep of the working surface's border [voxels]; u, v, up.
         sweep: [f32; 4],
-        /// Lowest points of the poses that are kept, in whole voxels; u, v, up.
+        /// Lowest points of the stored poses, in whole voxels; u, v, up.
         wholes: [[i32; 4]; 4],
-        /// The rest of them, and their axes and approach axes.
+        /// Their remainders, and the poses' axes and approach axes.
         frames: [[f32; 4]; 20],
-        /// What is done next.
+        /// Current phase.
         phase: u32,
-        /// What is done after the sheet is written back.
+        /// Phase after the height field is written back.
         then: u32,
-        /// What is done once the host has helped.
+        /// Phase to resume once the host has provided memory.
         resume: u32,
-        /// Why the trial stands still.
+        /// Status of the trial; the reason why it stopped.
         status: u32,
         /// The hook at fault.
         detail: u32,
-        /// Lines or bricks for which room is needed.
+        /// Number of columns or bricks for which memory is needed.
         needed: u32,
         /// Steps taken.
         steps: u32,
-        /// Bricks of the trial's own.
+        /// Number of the trial's own bricks.
         own_bricks: u32,
-        /// Those of them that have been filled.
+        /// Number of those that have been filled.
         filled_bricks: u32,
-        /// Layer whose distances are renewed.
+        /// Layer whose distances are reinitialised.
         layer: u32,
-        /// Layers to renew.
+        /// Number of layers to reinitialise.
         layers: u32,
-        /// Whether a sheet was read.
+        /// 1 if a height field was read.
         has_sheet: u32,
         /// Axis of the field along which columns run.
         axis: u32,
         /// Which way is up: 1 or -1.
         up: i32,
-        /// Height above which columns count [voxels].
+        /// Height from which the columns' heights are measured [voxels].
         base: i32,
-        /// Lowest voxel that is looked at.
+        /// Lowest voxel that is read.
         least: i32,
         /// Time: blocks.
         time_blocks: i32,
-        /// The rest of it [s].
+        /// Its remainder [s].
         time_rest: f32,
-        /// Piece of the path.
+        /// Current segment of the path.
         piece: u32,
-        /// Who leads.
+        /// Current controller.
         controller: u32,
         /// Travel: a multiple of 1/16 voxel.
         coarse: f32,
-        /// The rest of it [voxels].
+        /// Its remainder [voxels].
         fine: f32,
         /// Speed along the approach axis [voxel/s].
         speed: f32,
-        /// The same at the end of the step that is tried.
+        /// The same at the end of the trial step.
         found_speed: f32,
-        /// Travel that is tried: a multiple of 1/16 voxel.
+        /// Travel under evaluation: a multiple of 1/16 voxel.
         guess_base: f32,
-        /// The rest of it [voxels].
+        /// Its remainder [voxels].
         guess: f32,
-        /// Travel known to be too low, beyond the base [voxels].
+        /// Travel known to be too low, relative to the base [voxels].
         low: f32,
-        /// Travel known to be too high, beyond the base [voxels].
+        /// Travel known to be too high, relative to the base [voxels].
         high: f32,
-        /// Furthest way of the next step into what was touched [voxels].
+        /// Longest next motion into the touched surface [voxels].
         stride: f32,
-        /// Way into the surface [voxels].
+        /// Motion into the surface in the search for a force [voxels].
         nudge: f32,
-        /// Damping of the search [N s/voxel].
+        /// Damping in the force balance [N s/voxel].
         damping: f32,
-        /// Mass of the search [N s²/voxel].
+        /// Mass in the force balance [N s²/voxel].
         mass: f32,
-        /// Evaluations of the search.
+        /// Number of force evaluations so far.
         evaluations: u32,
-        /// Whether the tool is first brought into balance where it is.
+        /// 1 if the tool is first brought into balance at its current position.
         settling: u32,
-        /// Whether the surface was sought from the air.
+        /// 1 if the surface was searched for from the air.
         searched: u32,
-        /// Whether the tool is as high as it goes.
+        /// 1 if the tool is at the upper end of its travel.
         in_air: u32,
-        /// Whether the step goes on from the one before.
+        /// 1 if the step continues from the previous one.
         goes_on: u32,
-        /// Whether the step is taken as its middle.
+        /// 1 if the step is evaluated at its middle.
         whole_step: u32,
-        /// Which arrays hold the start of the step.
+        /// Selects the arrays that hold the start of the step.
         flip: u32,
-        /// Whether the tool has touched the part.
+        /// 1 if the tool has touched the part.
         touched: u32,
-        /// Whether the tool touched and went as deep as it may without meeting the setpoint.
+        /// 1 if the tool touched and reached its search limit without reaching the setpoint.
         too_soft: u32,
-        /// Length of the step that is sought [s].
+        /// Length of the step before any shortening [s].
         step_dt: f32,
-        /// Length of the step that is tried [s].
+        /// Length of the trial step [s].
         dt: f32,
-        /// Longest step for the controller [s].
+        /// Longest step that the controller allows [s].
         dt_limit: f32,
         /// Time left [s].
         left: f32,
@@ -243,39 +243,39 @@ shared_struct! {
         start_force: f32,
         /// Weight of the force at the end of the step in its mean.
         end_weight: f32,
-        /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [voxels].
+        /// Bulge: excess of the depth in the middle of the step over the mean of both ends, without recession [voxels].
         bulge: f32,
-        /// Way of the tool on this sheet [voxels].
+        /// Distance of the tool on this height field [voxels].
         travelled: f32,
         /// Recession since the slopes were taken [voxels].
         bent: f32,
-        /// Recession since the sheet was read [voxels].
+        /// Recession since the height field was read [voxels].
         receded: f32,
-        /// Above 0 where the patch reached the region's border at the start of the step.
+        /// Above 0 if the patch reached the region's border at the start of the step.
         border: f32,
         /// Feed [m/s].
         feed_speed: f32,
         /// Time since the first contact [s].
         contact_time: f32,
-        /// Way since then [m].
+        /// Distance since the first contact [m].
         path_position: f32,
-        /// Whether the tool has gone its way on this sheet.
+        /// 1 if the tool has moved the distance allowed on this height field.
         is_far: u32,
     }
 }
 
 shared_struct! {
-    /// A straight piece of a path, at most some voxels long.
+    /// A straight segment of a path, a few voxels long at most.
     PathPiece {
-        /// Where it begins, in whole voxels; the fourth is its time in blocks.
+        /// Its start in whole voxels; the fourth is its time in blocks.
         whole: [i32; 4],
-        /// The rest of them [voxels, s].
+        /// Their remainders [voxels, s].
         rest: [f32; 4],
         /// Velocity [voxel/s]; the fourth is its duration [s].
         velocity: [f32; 4],
-        /// Approach axis where it begins; the fourth is the longest step that may begin on it [s].
+        /// Approach axis at its start; the fourth is the longest step that may begin on it [s].
         approach: [f32; 4],
-        /// Axis of the tool where it begins.
+        /// Axis of the tool at its start.
         axis: [f32; 4],
     }
 }
@@ -285,11 +285,11 @@ shared_struct! {
     LogRecord {
         /// Time at its end: blocks.
         time_blocks: i32,
-        /// The rest of it [s].
+        /// Its remainder [s].
         time_rest: f32,
         /// Travel at its end: a multiple of 1/16 voxel.
         coarse: f32,
-        /// The rest of it [voxels].
+        /// Its remainder [voxels].
         fine: f32,
         /// Force at its end [N].
         end_force: f32,
@@ -301,19 +301,19 @@ shared_struct! {
         area: f32,
         /// Highest pressure [Pa].
         pressure_max: f32,
-        /// Volume taken off the part [m³].
+        /// Removed volume of the part [m³].
         volume: f32,
-        /// Volume taken off the coating [m³].
+        /// Removed volume of the coating [m³].
         coating_volume: f32,
         /// Length [s].
         dt: f32,
         /// Speed of the spindle [rad/s].
         spindle_speed: f32,
-        /// Whether there was nothing to press against.
+        /// 1 if there was no contact.
         in_air: u32,
-        /// Nothing.
+        /// Padding.
         padding_a: u32,
-        /// Nothing.
+        /// Padding.
         padding_b: u32,
     }
 }

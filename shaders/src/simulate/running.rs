@@ -1,4 +1,4 @@
-//! A batch under way: submissions, room for more, and what is left in the end.
+//! A batch in progress: submissions, reallocation, and read-back of the results.
 
 use super::{
     Chunk, DeviceFault, Remains, Rooms, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE,
@@ -7,25 +7,25 @@ use super::{
 use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, INSIDE};
 use crate::layout::{LogRecord, TrialSetup};
 
-/// A stretch of a buffer that is copied: from, to, length [words].
+/// A range of a buffer to be copied: from, to, length [words].
 type Stretch = (u64, u64, u64);
 
 impl Running<'_> {
-    /// The setups as they lie in the buffers now.
+    /// The setups as currently stored in the buffers.
     pub fn setups(&self) -> &[TrialSetup] {
         &self.setups
     }
 
-    /// Room that each trial has now.
+    /// Current memory of each trial.
     pub fn rooms(&self) -> Rooms {
         self.rooms
     }
 
-    /// Runs one submission: [`Rooms::ticks`] phases of each trial, nothing read back within.
-    /// Then makes room where a trial needs it.
+    /// Runs one submission: [`Rooms::ticks`] phases of each trial, without read-back in between. Then allocates more
+    /// memory if a trial needs it.
     ///
     /// # Errors
-    /// [`SimulateError::TooLarge`] where there is no room to be made, [`SimulateError::Device`] where the device fails.
+    /// [`SimulateError::TooLarge`] if no more memory can be allocated, [`SimulateError::Device`] if the device fails.
     pub fn advance(&mut self) -> Result<Chunk, SimulateError> {
         let device = self.simulator.device;
         let (states, rows) = device.guarded("simulating", |_| self.submit())?;
@@ -37,7 +37,7 @@ impl Running<'_> {
         Ok(chunk)
     }
 
-    /// Submits the dispatches and the copies to be read back.
+    /// Submits the dispatches and the copies for read-back.
     fn submit(&self) -> (wgpu::Buffer, wgpu::Buffer) {
         let device = self.simulator.device;
         let buffers = &self.buffers;
@@ -74,7 +74,7 @@ impl Running<'_> {
         (states, rows)
     }
 
-    /// Makes room for the trials that stand still for want of it, and lets them go on.
+    /// Allocates memory for the trials that stopped for lack of it, and resumes them.
     fn make_room(&mut self, states: &[TrialState]) -> Result<(), SimulateError> {
         let needed = |status: u32| states.iter().filter(|state| state.status == status).map(|state| state.needed).max();
         let mut rooms = self.rooms;
@@ -96,7 +96,7 @@ impl Running<'_> {
         Ok(())
     }
 
-    /// Moves all trials into buffers with other room.
+    /// Moves all trials into buffers of another size.
     fn move_into(&mut self, rooms: Rooms) -> Result<(), SimulateError> {
         let mut setups = self.setups.clone();
         lay_out(&mut setups, rooms, self.shared, self.values_each);
@@ -141,10 +141,10 @@ impl Running<'_> {
         Ok(())
     }
 
-    /// Reads what the trials leave, in their order.
+    /// Reads the results of the trials, in their order.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// The device's fault.
     pub fn remains(&self) -> Result<Vec<Remains>, DeviceFault> {
         let device = self.simulator.device;
         let index: Vec<u32> = self.read_all("reading the brick indices back", &self.buffers.index)?;

@@ -1,5 +1,5 @@
-//! Distances anew beside a surface that has moved: voxels farther than [`KEPT_VOXELS`], which carry no zero set, take theirs from
-//! one voxel nearer to the surface along the normal, layer by layer.
+//! Reinitialisation of φ beside a surface that moved. Voxels farther than [`KEPT_VOXELS`] from the surface carry no
+//! zero set. They take their distance from one voxel nearer to the surface along the normal, layer by layer.
 
 use glam::DVec2;
 use sdf_bake::BrickGrid;
@@ -9,10 +9,10 @@ use super::{Around, Column, floor, reach};
 use crate::sheet::{NO_SURFACE, Sheet};
 use sdf_bake::simd::in_wide_lanes;
 
-/// Voxel below the surface of a line that has none: far from all that is asked for.
+/// Voxel index for a column without a surface: far from every index in use.
 const NOWHERE: i32 = i32::MAX / 2;
 
-/// Renews the far voxels of columns.
+/// Reinitialises the far voxels of columns.
 pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
     let layers = columns.iter().map(|column| reach(grid, sheet.area_ratio(column.line))).max().unwrap_or(0);
     let mut near = Near::read(grid, sheet, layers);
@@ -22,7 +22,7 @@ pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
     });
     let mut renewed = Vec::new();
     for layer in 1..=layers {
-        // All are found before any is written, so that the order of the columns does not matter.
+        // All distances are found before any is written, so that the order of the columns does not matter.
         renewed.clear();
         for (side, nearer) in [1, -1].into_iter().zip(&nearer) {
             in_wide_lanes(
@@ -34,16 +34,16 @@ pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
     }
 }
 
-/// φ near the surface of each line, at hand; beyond, the field is asked.
+/// Cached φ near the surface of each column; beyond the cache the field is read.
 struct Near {
-    /// The voxel below the surface.
+    /// Voxel index just below the surface.
     below: Vec<i32>,
-    /// Voxels known of each line, as many below the surface as above it; shape `[lines, count]`.
+    /// Cached voxels of each column, as many below the surface as above it; shape `[lines, count]`.
     phi: Vec<f32>,
     count: usize,
 }
 
-/// A voxel that carries no zero set, with its new distance.
+/// A voxel that carries no zero set, and its new distance.
 struct Far {
     line: usize,
     k: i32,
@@ -52,7 +52,7 @@ struct Far {
 }
 
 impl Near {
-    /// Takes so many `layers` of voxels on either side of the surface from the field.
+    /// Reads `layers` voxels on either side of the surface from the field.
     fn read(grid: &BrickGrid, sheet: &Sheet, layers: i32) -> Self {
         let voxel_below = |height: &f64| if *height > NO_SURFACE { floor(height / sheet.pitch) } else { NOWHERE };
         let below: Vec<i32> = sheet.height.iter().map(voxel_below).collect();
@@ -67,21 +67,21 @@ impl Near {
         Self { below, phi, count }
     }
 
-    /// Place of voxel `k` of a line among the values at hand.
+    /// Index of voxel `k` of a column in the cache; `None` outside it.
     #[inline(always)]
     fn place(&self, line: usize, k: i32) -> Option<usize> {
         let at = (k - self.below[line] - 1 + self.count as i32 / 2) as usize;
         (at < self.count).then(|| line * self.count + at)
     }
 
-    /// φ [m] of voxel `k` of a line.
+    /// φ [m] of voxel `k` of a column.
     #[inline(always)]
     fn phi(&self, (grid, sheet): (&BrickGrid, &Sheet), line: usize, k: i32) -> f32 {
         self.place(line, k).map_or_else(|| sheet.lattice.phi(grid, sheet.on[line], k), |at| self.phi[at])
     }
 
-    /// Finds the voxels of a layer on a side of the surface that carry no zero set, with new distances; what has no `nearer`
-    /// place is left.
+    /// Finds the new distances of the voxels in one layer on one side of the surface that carry no zero set. Voxels
+    /// whose neighbour towards the surface is unknown are skipped.
     #[inline(always)]
     fn find(
         &self,
@@ -105,7 +105,7 @@ impl Near {
         }
     }
 
-    /// Mean of φ [m] at voxel `k` of the lines around a place; `None` where one of them is beyond the band.
+    /// Mean of φ [m] at voxel `k` over the columns around a point; `None` if one of them is beyond the band.
     #[inline(always)]
     fn mean(&self, field: (&BrickGrid, &Sheet), around: &Around, k: i32) -> Option<f64> {
         let (mut sum, mut known) = (0.0, true);
@@ -117,7 +117,7 @@ impl Near {
         known.then_some(sum)
     }
 
-    /// Writes a distance; a voxel that was beyond the band takes the label of the one above it.
+    /// Writes a distance. A voxel that was inside, beyond the band, takes the label of the voxel above it.
     fn write(&mut self, (grid, sheet): (&mut BrickGrid, &Sheet), far: &Far) {
         if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
             let above = sheet.lattice.place(sheet.on[far.line], far.k + 1);

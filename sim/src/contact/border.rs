@@ -1,4 +1,4 @@
-//! The border of a tool's working surface, and what of a square lies under it.
+//! The border of a tool's working surface, and the part of a cell under it.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use crate::region::Region;
 use crate::sheet::Sheet;
 use robot::Tool;
 
-/// Cosine of a pad's tilt against the columns below which its squares are sought in whole rows.
+/// Cosine of a pad's tilt against the columns below which whole rows are searched for its cells.
 const MOST_TILTED: f64 = 0.5;
 
-/// A tool's frame in the coordinates of a sheet (u, v, up).
+/// A tool's frame in the coordinates of a height field (u, v, up).
 pub(crate) struct SheetFrame {
     pub(super) centre: DVec3,
     pub(super) x: DVec3,
@@ -27,25 +27,25 @@ impl SheetFrame {
         Self { centre, x, y, z }
     }
 
-    /// A point of the sheet in the tool's frame.
+    /// Transforms a point of the height field into the tool's frame.
     #[inline(always)]
     pub(crate) fn local(&self, point: DVec3) -> DVec3 {
         self.turned(point - self.centre)
     }
 
-    /// Whether heights do not change a place's x and y.
+    /// True if a point's height does not change its x and y in the tool's frame.
     pub(crate) fn is_upright(&self) -> bool {
         self.x.z == 0.0 && self.y.z == 0.0
     }
 
-    /// A vector of the sheet in the tool's frame.
+    /// Rotates a vector of the height field into the tool's frame.
     #[inline(always)]
     pub(super) fn turned(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 }
 
-/// How much of a square lies under the working surface in a sweep, and when.
+/// Share of a cell under the working surface in a sweep, and its mean time.
 #[derive(Clone, Copy)]
 pub(super) struct Cover {
     pub(super) share: f64,
@@ -53,19 +53,19 @@ pub(super) struct Cover {
     pub(super) lag: f64,
 }
 
-/// The border of a tool's working surface over a sheet.
+/// The border of a tool's working surface over a height field.
 pub(super) struct Border<'a> {
     pub(super) tool: &'a Tool,
     pub(super) frame: SheetFrame,
     /// Sweep of the tool [m, u v up].
     pub(super) sweep: DVec3,
-    /// By how much a pad sinks in over the sweep, the same everywhere [m].
+    /// Distance by which a pad sinks in over the sweep, the same everywhere [m].
     pub(super) sinking: f64,
-    /// Distance from the border beyond which a square is wholly within or beside it [m].
+    /// Distance from the border beyond which a cell is entirely inside or outside it [m].
     pub(super) near: f64,
     /// Radius of a pad's border [m].
     pub(super) rim: f64,
-    /// Squares of the radii between which a pad's border may cross a square [m²].
+    /// Squared radii between which a pad's border may cross a cell [m²].
     pub(super) ring: (f64, f64),
 }
 
@@ -73,7 +73,7 @@ impl<'a> Border<'a> {
     pub(super) fn new(place: &Placement<'a>, sheet: &Sheet) -> Self {
         let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
         let sweep = sheet.facing.sheet(place.sweep);
-        // Half a square's diagonal, and what a slope of one adds.
+        // Half a cell's diagonal, plus the contribution of a slope of one.
         let near = sheet.pitch + 0.5 * sweep.length();
         let rim = tool.rim_radius();
         let inner = rim - near;
@@ -82,13 +82,13 @@ impl<'a> Border<'a> {
         Self { tool, frame, sweep, sinking, near, rim, ring }
     }
 
-    /// How far a pad sinks in or out on either side of the sweep's middle [m].
+    /// Distance that a pad sinks in or out on either side of the sweep's middle [m].
     #[inline(always)]
     pub(super) fn sunk(&self) -> f64 {
         0.5 * self.sinking.abs()
     }
 
-    /// Cover of a column's square over the sweep.
+    /// Cover of a column's cell over the sweep.
     #[inline]
     pub(super) fn cover(&self, sheet: &Sheet, line: usize) -> Cover {
         let at = self.frame.local(sheet.point(line));
@@ -105,7 +105,7 @@ impl<'a> Border<'a> {
         if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
     }
 
-    /// The same for a square that the border may cross, its middle `at` a place of the tool's frame [m].
+    /// The same for a cell that the border may cross. `at` is its middle in the tool's frame [m].
     fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> Cover {
         let slope = sheet.slope[line];
         match self.tool {
@@ -116,7 +116,7 @@ impl<'a> Border<'a> {
         }
     }
 
-    /// The same for a pad and the `slope` of a square.
+    /// The same for a pad and the `slope` of a cell.
     #[inline(always)]
     pub(super) fn disc_cover(&self, at: DVec3, slope: [f64; 2], pitch: f64) -> Cover {
         let off = (at.x * at.x + at.y * at.y).sqrt();
@@ -126,20 +126,21 @@ impl<'a> Border<'a> {
         self.cover_within(self.rim - off, inward, slope, 0.5 * pitch)
     }
 
-    /// Cover of a square of half side `half` [m] whose middle lies `within` the border [m], which is crossed `inward`.
+    /// Cover of a cell of half side `half` [m]. Its middle lies `within` [m] inside the border; `inward` is the
+    /// border's normal.
     #[inline(always)]
     pub(super) fn cover_within(&self, within: f64, inward: DVec3, [slope_u, slope_v]: [f64; 2], half: f64) -> Cover {
         let swept = 0.5 * self.sweep.dot(inward);
         let own = ((inward.x + inward.z * slope_u).abs() * half, (inward.y + inward.z * slope_v).abs() * half);
         let spans = swept_spans(own, swept.abs());
         let share = wet_share(within, spans);
-        // Exact for a point: it is under the surface from one end of the sweep to when the border crosses it.
+        // Exact for a point: it is under the surface from one end of the sweep until the border crosses it.
         let lag = -0.5 * (1.0 - share) * swept / (spans.0 * spans.0 + swept * swept).sqrt();
         Cover { share, lag: if swept == 0.0 { 0.0 } else { lag } }
     }
 
-    /// Columns of a row of a region that hold all squares which a pad may be over: beyond them it is further away than its
-    /// border may cross a square, whatever the surface's height.
+    /// Columns of a region's row that contain every cell under a pad. Beyond them the pad's border cannot cross a cell,
+    /// whatever the surface's height.
     pub(super) fn columns(&self, sheet: &Sheet, region: &Region, row: usize) -> Range<usize> {
         let Region { columns, .. } = region;
         let (centre, upright) = (self.frame.centre, self.frame.z.z);
@@ -159,8 +160,8 @@ impl<'a> Border<'a> {
     }
 }
 
-/// Spans of a square with a sweep of `swept` [m] on either side of its middle: two boxes have the spread of the square's own,
-/// the sweep is the other.
+/// Spans of a cell swept by `swept` [m] on either side of its middle. With a sweep, one span has the variance of the
+/// cell's own two, the other is the sweep.
 #[inline(always)]
 pub(super) fn swept_spans((a, b): (f64, f64), swept: f64) -> (f64, f64) {
     let own = (a * a + b * b).sqrt();

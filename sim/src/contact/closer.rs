@@ -1,6 +1,6 @@
-//! Squares that depths at columns alone do not settle: cut into cells of a sixteenth of a voxel.
+//! Cells that the depths at columns alone do not resolve: they are subdivided into sub-cells of a sixteenth of a voxel.
 //!
-//! So every tool from a mesh is measured, whose edges lie between columns, and every tool that is held still.
+//! This applies to every tool from a mesh, whose edges lie between columns, and to every tool that is held still.
 
 use glam::DVec3;
 
@@ -13,24 +13,24 @@ use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
 use robot::Tool;
 
-/// Second difference below which depths lie on a plane [pitches]: a thousand times the roundings of the heights.
+/// Second difference below which depths count as a plane [pitches]: a thousand times the rounding error of the heights.
 const STRAIGHT: f64 = 1e-6;
-/// Cells along a side of a square in which the rim of the patch is sought.
+/// Sub-cells along a side of a cell in which the rim of the patch is searched for.
 const RIM_CELLS: usize = 8;
 
 impl Squares {
-    /// Cuts squares that are not straight into smaller cells from now on, whatever the tool.
+    /// Subdivides cells with curved depths from now on, whatever the tool.
     pub(crate) fn look_closer(&mut self) {
         self.looks_closer = true;
     }
 
-    /// True if squares are cut for this tool.
+    /// True if cells are subdivided for this tool.
     pub(super) fn is_closer(&self, border: &Border) -> bool {
         (self.looks_closer || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
     }
 
-    /// Marks the squares that have to be measured by themselves: all that may be wet, but those wet or dry all over
-    /// whose depths lie on a plane.
+    /// Marks the cells to be measured one by one: all that may be in contact, except cells that are entirely in or out
+    /// of contact and whose depths lie on a plane.
     pub(super) fn unsettle(&mut self, sheet: &Sheet) {
         for (row, columns) in self.region.rows.clone().zip(self.columns.clone()) {
             for line in columns.map(|column| row * sheet.window.size[1] + column) {
@@ -43,9 +43,10 @@ impl Squares {
         }
     }
 
-    /// True if a point of a square may lie deeper than `depth` [m]: depths change by at most the way on the surface.
+    /// True if a point of a cell may lie deeper than `depth` [m]: depths change by at most the distance along the
+    /// surface.
     pub(super) fn may_be_wet(&self, sheet: &Sheet, line: usize, depth: f64) -> bool {
-        // Half a diagonal, and what the slope may still change within the square.
+        // Half a diagonal, and how much the slope may still change within the cell.
         let reach = 0.75 * sheet.pitch * (sheet.area_ratio(line) + 0.5);
         sheet.height[line] > NO_SURFACE && self.depth[line] + reach > depth
     }
@@ -57,7 +58,7 @@ impl Squares {
         [1, across, across - 1, across + 1].into_iter().all(|step| bend(step).abs() <= STRAIGHT * sheet.pitch)
     }
 
-    /// Measures a square in smaller cells.
+    /// Measures a cell by subdivision.
     pub(super) fn measure_closer(&mut self, border: &Border, sheet: &Sheet, line: usize) {
         let patch = Patch::new((border.tool, &border.frame), sheet, line, self.depth[line]);
         let (mean, share) = patch.wet();
@@ -67,7 +68,7 @@ impl Squares {
         }
     }
 
-    /// Extent of the patch in the tool's frame, rim and border found between columns; `None` without contact.
+    /// Extent of the patch in the tool's frame, with rim and border located between columns; `None` without contact.
     pub(crate) fn extent(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
         let (frame, across) = (SheetFrame::new(&place.pose, sheet), sheet.window.size[1]);
         let is_full = |line: &usize| self.share[*line] == 1.0;
@@ -86,7 +87,7 @@ impl Squares {
     }
 }
 
-/// Wet points of a fine lattice in a square, and where its lines cross the rim or the border.
+/// Points in contact on a fine lattice in a cell, and the points at which its lines cross the rim or the border.
 fn rim_points(patch: &Patch, take: &mut impl FnMut([f64; 2])) {
     let place = |i: usize| i as f64 / RIM_CELLS as f64 - 0.5;
     let side = RIM_CELLS + 1;

@@ -1,7 +1,7 @@
-//! The surface in one square, and what a tool makes of it at any of its points.
+//! The surface in one cell, and the depth of a tool at any of its points.
 //!
-//! The surface is the quadratic through a column and its eight neighbours; the tool is taken as it is, with its kinks and its
-//! border. Where depths at columns alone would miss an edge of the tool, the square is cut into ever smaller cells.
+//! The surface is the quadratic through a column and its eight neighbours. The tool is exact, with its kinks and its
+//! border. Where depths at columns alone would miss an edge of the tool, the cell is subdivided recursively.
 
 use glam::DVec3;
 
@@ -10,54 +10,54 @@ use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::sheet::Sheet;
 use robot::Tool;
 
-/// Times that a square is halved along both sides: cells of a sixteenth of a voxel.
+/// Number of times that a cell is halved along both sides: sub-cells of a sixteenth of a voxel.
 const HALVINGS: u32 = 4;
-/// Relative difference between the depth in the middle of a cell and the mean of its quarters' middles below which
-/// the cell counts as quadratic.
+/// Relative difference between the depth at a sub-cell's middle and the mean of its quarters' middles below which the
+/// depth in the sub-cell counts as quadratic.
 const QUADRATIC: f64 = 0.01;
-/// Steps that bring a point beside the working surface to its border: each leaves the square of the tilt.
+/// Steps that move a point outside the working surface to its border; each leaves an error of the square of the tilt.
 const PULLS: usize = 3;
-/// How far a point may stay beside the border, or lie beyond the square [pitches].
+/// Tolerances: distance outside the border, and distance beyond the cell [pitches].
 const PULLED: (f64, f64) = (1e-6, 0.1);
 
-/// A column's square.
+/// The cell of a column.
 pub(super) struct Patch<'a> {
     tool: &'a Tool,
     frame: &'a SheetFrame,
     /// The column's point (u, v, up) [m].
     column: DVec3,
-    /// Differences of the height across the square [m].
+    /// Differences of the height across the cell [m].
     along: Difference,
     sideways: Difference,
     /// Mixed difference of the height [m].
     twist: f64,
     pitch: f64,
-    /// How much deeper the tool lies than its shape says [m].
+    /// Depth that effects add to the tool's shape [m].
     shift: f64,
-    /// Way on the surface per way across the columns, at most.
+    /// Largest distance along the surface per distance across the columns.
     stretch: f64,
 }
 
-/// What a tool makes of a point [m].
+/// Depth and border distance of a point under the tool [m].
 #[derive(Clone, Copy)]
 pub(super) struct Look {
     pub(super) depth: f64,
-    /// How far within the border of the working surface.
+    /// Distance inside the border of the working surface, negative outside.
     pub(super) within: f64,
 }
 
-/// A cell of a square, its places in pitches from the column.
+/// A sub-cell of a cell; positions in pitches from the column.
 #[derive(Clone, Copy)]
 struct Cell {
     middle: [f64; 2],
     side: f64,
     look: Look,
-    /// Half of how the depth and the way within the border change across the cell [m].
+    /// Half of the change of the depth, and of the distance inside the border, across the sub-cell [m].
     spans: [(f64, f64); 2],
 }
 
 impl<'a> Patch<'a> {
-    /// The square of a line, at whose column the tool is `depth` [m] deep.
+    /// The cell of a column at which the tool is `depth` [m] deep.
     pub(super) fn new((tool, frame): (&'a Tool, &'a SheetFrame), sheet: &Sheet, line: usize, depth: f64) -> Self {
         let (across, pitch) = (sheet.window.size[1], sheet.pitch);
         let height = |line: usize| sheet.height[line];
@@ -74,12 +74,12 @@ impl<'a> Patch<'a> {
         Self { tool, frame, column, along, sideways, twist, pitch, shift, stretch }
     }
 
-    /// Height of a square's corners over its column along the surface, at most [m].
+    /// Largest distance along the surface from the column to a corner of a square of side `side` [m].
     pub(super) fn reach(&self, side: f64) -> f64 {
         0.5 * std::f64::consts::SQRT_2 * side * self.pitch * self.stretch
     }
 
-    /// A place, in pitches from the column, as a point of the sheet (u, v, up) [m].
+    /// A position in pitches from the column as a point of the height field (u, v, up) [m].
     pub(super) fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
         let Self { along, sideways, .. } = self;
         let bent = 0.5 * (along.bend * u * u + sideways.bend * v * v) + self.twist * u * v;
@@ -91,7 +91,7 @@ impl<'a> Patch<'a> {
         Look { depth: self.tool.depth(at) + self.shift, within: self.tool.within(at) }
     }
 
-    /// Mean over the square of the depth where it is positive [m], and the share of the square where it is.
+    /// Mean over the cell of the positive part of the depth [m], and the share of the cell where it is positive.
     pub(super) fn wet(&self) -> (f64, f64) {
         let look = self.look([0.0; 2]);
         self.wet_in(&Cell { middle: [0.0; 2], side: 1.0, look, spans: [(0.0, 0.0); 2] }, HALVINGS)
@@ -112,7 +112,7 @@ impl<'a> Patch<'a> {
         let saddle = 0.25 * (depths[0] - depths[1] - depths[2] + depths[3]);
         let is_full = |quarter: &Cell| quarter.look.depth >= 0.5 * reach && quarter.look.within >= 0.5 * reach;
         if quarters.iter().all(is_full) && bent.abs().max(saddle.abs()) <= QUADRATIC * mean {
-            // Exact for a quadratic, whose bend the quarters' middles see three quarters of.
+            // Exact for a quadratic: the quarters' middles see three quarters of its curvature.
             return (mean + bent / 3.0, 1.0);
         }
         let parts = quarters.map(|quarter| self.wet_in(&quarter, halvings - 1));
@@ -132,9 +132,11 @@ impl<'a> Patch<'a> {
         [0, 1, 2, 3].map(|i| Cell { middle: middles[i], side: 0.5 * cell.side, look: looks[i], spans })
     }
 
-    /// The deepest point under the working surface, its depth [m] and place; `None` where none is deeper than `floor` [m].
+    /// The deepest point under the working surface: its depth [m] and position; `None` if none is deeper than `floor`
+    /// [m].
     ///
-    /// The best of nine by nine places is sought, then again around it at half the distance, until it gets no better.
+    /// The best of nine by nine positions is taken; then the search is repeated around it at half the spacing until it
+    /// improves no more.
     pub(super) fn top(&self, floor: f64) -> Option<(f64, [f64; 2])> {
         let (mut best, mut middle, mut half, mut idle) = (None, [0.0; 2], 0.5, 0);
         while half > 1e-7 && idle < 2 {
@@ -149,7 +151,7 @@ impl<'a> Patch<'a> {
                 }
             }
             let (depth, at) = best?;
-            // No point between the places is deeper than that: depths change by no more than the way.
+            // No point between the positions is deeper than that: depths change by no more than the distance.
             if depth + self.reach(0.25 * half) <= floor {
                 return None;
             }
@@ -159,7 +161,7 @@ impl<'a> Patch<'a> {
         best.filter(|(depth, _)| *depth > floor)
     }
 
-    /// Depth [m] at a place, or at the nearest one on the border of the working surface if it lies beside that.
+    /// Depth [m] at a position, or at the nearest position on the border if it lies outside the working surface.
     fn depth_inside(&self, mut at: [f64; 2]) -> Option<(f64, [f64; 2])> {
         for _ in 0..PULLS {
             let place = self.frame.local(self.point(at));
@@ -180,7 +182,7 @@ impl<'a> Patch<'a> {
 }
 
 impl Cell {
-    /// Mean depth [m] and wet share, with depth and border taken as straight.
+    /// Mean depth [m] and share in contact, with depth and border taken as linear.
     fn wet_linear(&self) -> (f64, f64) {
         let Self { look, spans, .. } = self;
         let cover = if look.within.is_finite() { wet_share(look.within, spans[1]) } else { 1.0 };

@@ -1,4 +1,4 @@
-//! The deepest point of a square, which may lie beside its column.
+//! The maximum depth of a cell, which may lie beside its column.
 
 use std::ops::Range;
 
@@ -9,27 +9,27 @@ use super::{Border, SheetFrame, Squares};
 use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
 
-/// How far the height of a column beside a wall may be off [voxels].
+/// Error bound of a column's height beside a side face [voxels].
 const EDGE_ERROR: f64 = 0.05;
-/// Distance from the part's edge within which such a column is among a column's neighbours [pitches].
+/// Distance from the part's edge within which such a column may be among a column's neighbours [pitches].
 const AT_EDGE: f64 = 2.25;
-/// Distance from the border within which a square's neighbours may lie beside it [pitches].
+/// Distance from the border within which a cell's neighbours may lie outside it [pitches].
 const BESIDE: f64 = 3.0;
 
 /// The deepest point under a working surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peak {
-    /// Its depth [m], negative: the gap.
+    /// Its depth [m]; negative when the tool is above the surface (the gap).
     pub(crate) depth: f64,
-    /// The line in whose square it is.
+    /// The column in whose cell it lies.
     pub(crate) line: usize,
-    /// Where it is (u, v, up) [m].
+    /// Its position (u, v, up) [m].
     pub(crate) point: DVec3,
 }
 
 impl Squares {
-    /// The deepest point under the working surface, between columns and at the border as well; `None` where there is no
-    /// surface. Beside a wall a column's height is less sure than elsewhere, and counts as that much less deep.
+    /// The deepest point under the working surface, also between columns and at the border; `None` without a surface.
+    /// Beside a side face the height of a column is less certain, and its depth is reduced by the error bound.
     pub(crate) fn peak(&self, place: &Placement, sheet: &Sheet) -> Option<Peak> {
         let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
         let lines: Vec<usize> = self.under(place, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
@@ -43,7 +43,7 @@ impl Squares {
         }
         let edges = sheet.edge_distances();
         for line in lines {
-            // The surface between columns is as little sure as the heights of the neighbours.
+            // The surface between columns is as uncertain as the heights of the neighbours.
             let is_at_edge = edges[line] < AT_EDGE * sheet.pitch;
             let unsure = if is_at_edge { EDGE_ERROR * sheet.pitch } else { self.unsure(sheet, line) };
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.depth + unsure);
@@ -60,27 +60,27 @@ impl Squares {
         best
     }
 
-    /// Lines under the working surface of a tool that stands.
+    /// Columns under the working surface of a tool that does not sweep.
     pub(super) fn under(&self, place: &Placement, sheet: &Sheet) -> impl Iterator<Item = usize> {
         let border = Border::new(&Placement::still(place.tool, place.pose), sheet);
         self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
     }
 
-    /// How much less deep a square may be than its column says [m].
+    /// Error bound of a cell's depth [m], by which it may be less deep than its column.
     fn unsure(&self, sheet: &Sheet, line: usize) -> f64 {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch }
     }
 
-    /// Depth [m] at the peak of the parabolas through a column and its neighbours, if it is in the column's square.
+    /// Depth [m] at the vertex of the parabolas through a column and its neighbours, if it lies in the column's cell.
     pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         self.depth[line] + along.rise() + sideways.rise()
     }
 
-    /// Whether the pressure at the top of any square of a run may exceed the `highest` [Pa] so far, by their pressures [Pa] at
-    /// their mean depths [m]. A bound that takes no division: a parabola's peak in a square lies within a quarter of its rise
-    /// across the square above the column.
+    /// True if the maximum pressure in any cell of a run may exceed `highest` [Pa], from the pressures [Pa] at the mean
+    /// depths [m]. The bound needs no division: a parabola's vertex in a cell lies above the column by at most a
+    /// quarter of its change across the cell.
     #[inline(always)]
     pub(crate) fn may_exceed(
         &self,
@@ -105,7 +105,7 @@ impl Squares {
     }
 }
 
-/// Size of the first difference across a square; a neighbour beyond a wall does not count.
+/// Magnitude of the first difference across a cell; a neighbour beyond a side face does not count.
 #[inline(always)]
 fn mean_size(before: f64, here: f64, after: f64, pitch: f64) -> f64 {
     let (down, up) = ((before - here).abs(), (after - here).abs());

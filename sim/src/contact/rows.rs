@@ -1,6 +1,6 @@
-//! Whole rows of squares in the processor's widest lanes: their depths, and those of them that need no closer look.
+//! Depths of whole rows of cells in SIMD lanes, and the cells that need no subdivision or individual measurement.
 //!
-//! Every operation acts on each square alone and is exactly rounded: the lanes decide nothing.
+//! Every operation acts on each cell alone and is exactly rounded, so the number of lanes changes no result.
 
 use std::ops::Range;
 
@@ -11,13 +11,13 @@ use crate::region::Region;
 use crate::sheet::Sheet;
 use robot::{Shape, Tool};
 
-/// Share of a square that has to be measured by itself.
+/// Value of a share that has to be measured individually.
 pub(super) const UNSETTLED: f64 = -1.0;
-/// Way of a tool that all squares have to stand for it to be taken without settling them again [voxels].
+/// Travel of a tool for which every cell must keep its state before the update without settling is allowed [voxels].
 const STEADY: f64 = 0.05;
 
-/// Lines of each row of a region that may be under a tool in some `columns` of each, and of the row before and after, with the
-/// lines around them.
+/// Ranges of columns in each row of a region that may be under a tool, from the `columns` of that row and of its
+/// neighbours, with one column more on each side.
 pub(super) fn rows_around(
     region: &Region,
     columns: &[Range<usize>],
@@ -33,7 +33,7 @@ pub(super) fn rows_around(
     })
 }
 
-/// Places of lines that follow each other in a row, in the tool's frame.
+/// Positions of consecutive columns of a row in the tool's frame.
 #[inline(always)]
 fn local(border: &Border, sheet: &Sheet, lines: &Range<usize>) -> impl Iterator<Item = DVec3> {
     let ([u, v], pitch) = (sheet.places()[lines.start], sheet.pitch);
@@ -41,7 +41,7 @@ fn local(border: &Border, sheet: &Sheet, lines: &Range<usize>) -> impl Iterator<
     heights.map(move |(i, height)| border.frame.local(DVec3::new(u, v + f64::from(i as i32) * pitch, *height)))
 }
 
-/// Measures the depth at the columns that may be under a tool, and around them.
+/// Computes the depth at the columns that may be under a tool, and around them.
 pub(super) struct Depths<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
@@ -79,8 +79,8 @@ impl pulp::NullaryFnOnce for Depths<'_> {
     }
 }
 
-/// Measures the share of each square that lies under the working surface, [`UNSETTLED`] where a wheel's border may cross it; and
-/// the lag, where there is a sweep.
+/// Computes the share of each cell under the working surface, [`UNSETTLED`] where a wheel's border may cross it; in a
+/// sweep also the lag.
 pub(super) struct Covers<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
@@ -136,7 +136,7 @@ fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
     }
 }
 
-/// Cover of squares that the border of a pad may cross.
+/// Cover of cells that the border of a pad may cross.
 #[inline(always)]
 fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
     let squares = local(border, sheet, lines).zip(&sheet.slope[lines.clone()]);
@@ -152,7 +152,7 @@ fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
     }
 }
 
-/// Settles the squares that are wet all over or dry all over; the others get [`UNSETTLED`] for their share.
+/// Settles the cells that are entirely in or entirely out of contact; the others get [`UNSETTLED`] as their share.
 pub(super) struct Settle<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
@@ -185,9 +185,9 @@ impl pulp::NullaryFnOnce for Settle<'_> {
     }
 }
 
-/// Settles `count` squares from line `first` on. In the sweep the tool sinks in by `sunk` [m] on either side of its middle, and by
-/// `sinking` while it is over a square. Returns whether all would stay wet or dry all over if the tool came nearer or went away
-/// by [`STEADY`].
+/// Settles `count` cells from column `first` on. Over the sweep the tool sinks in by `sunk` [m] on either side of its
+/// middle, and by `sinking` while it is over a cell. Returns true if all cells would keep their state under a travel of
+/// [`STEADY`].
 #[inline(always)]
 fn settle_row(
     squares: &mut Squares,
@@ -213,7 +213,7 @@ fn settle_row(
         let bend = (after[i] - 2.0 * depth + before[i]) + (right[i] - 2.0 * depth + left[i]);
         let swept_depth = depth + sinking(i);
         let mean = swept_depth + bend / 24.0;
-        // The depth changes by less than a pitch across a square.
+        // The depth changes by less than a pitch across a cell.
         let dry_at = if is_whole & (span < pitch + sunk) { -span } else { -pitch - sunk };
         let is_dry = (cover == 0.0) | (swept_depth <= dry_at);
         let is_full = (cover > 0.0) & is_whole & (swept_depth >= span) & (mean > 0.0) & !is_dry;

@@ -1,9 +1,9 @@
-//! The wall that a wheel leaves beside it.
+//! The side face that a wheel leaves beside its groove.
 //!
-//! The border of the working surface cuts squares. Where the wheel has sunk in, the height of such a square's column is the
-//! mean of the groove's and of the wall's, which keeps the volume; but the wheel meets the groove alone. So much higher
-//! is the wall as the surface beside the wheel and the surface under it, both continued straight to the column, lie apart: on
-//! a smooth surface that is third order in the pitch.
+//! The border of the working surface crosses cells. Where the wheel has sunk in, the height of such a cell's column is
+//! a mean of groove and side face, which conserves volume; but the wheel touches the groove alone. The step between
+//! them is the difference, at the column, of two surfaces continued linearly: the one beside the wheel and the one
+//! under it. On a smooth surface that difference is third order in the pitch.
 
 use super::{Border, Squares};
 use crate::region::Region;
@@ -11,7 +11,7 @@ use crate::sheet::Sheet;
 use robot::Tool;
 
 impl Squares {
-    /// Takes the wall out of the depths of the squares that a wheel's border crosses and of those next to them.
+    /// Removes the side face from the depths of the cells that a wheel's border crosses and of their neighbours.
     pub(super) fn leave_walls(&mut self, border: &Border, sheet: &Sheet) {
         if !matches!(border.tool, Tool::Wheel(_)) {
             return;
@@ -34,17 +34,17 @@ impl Squares {
     }
 }
 
-/// A row of columns that runs along a wheel's axis more than across it.
+/// A row of columns that runs along a wheel's axis rather than across it.
 #[derive(Clone, Copy)]
 struct Row {
     first: usize,
-    /// From one line to the next.
+    /// Index step from one column to the next.
     stride: usize,
     count: usize,
 }
 
 impl Row {
-    /// The rows of a region in a window `across` lines wide, with the lines before and after them.
+    /// The rows of a region in a window `across` columns wide, extended by one column at either end.
     fn all(region: &Region, across: usize, is_along_u: bool) -> impl Iterator<Item = Self> {
         let Region { rows, columns } = region.grown();
         let first = rows.start * across + columns.start;
@@ -54,35 +54,35 @@ impl Row {
     }
 }
 
-/// One of a wheel's sides across a row.
+/// One of a wheel's two sides across a row.
 struct Side<'a> {
     border: &'a Border<'a>,
     sheet: &'a Sheet,
     row: Row,
-    /// Step in the row that leads out of the wheel, and the sign of the wheel's y on this side.
+    /// Direction in the row that leads out of the wheel, and the sign of the wheel's y on this side.
     outwards: isize,
     sign: f64,
 }
 
 impl Side<'_> {
-    /// The line some steps out from a place in the row.
+    /// The column some steps outwards from a position in the row.
     fn line(&self, place: usize, steps: isize) -> Option<usize> {
         let place = place.checked_add_signed(steps * self.outwards).filter(|place| *place < self.row.count)?;
         Some(self.row.first + place * self.row.stride)
     }
 
-    /// How far a column is within this side [m].
+    /// Distance of a column inside this side [m].
     fn within(&self, line: usize) -> f64 {
         0.5 * self.border.tool.width() - self.sign * self.border.frame.local(self.sheet.point(line)).y
     }
 
-    /// Share of a column's square within this side.
+    /// Share of a column's cell inside this side.
     fn share(&self, line: usize) -> f64 {
         let inward = self.border.frame.y * -self.sign;
         self.border.cover_within(self.within(line), inward, self.sheet.slope[line], 0.5 * self.sheet.pitch).share
     }
 
-    /// Place of the outermost square in the row of which a part is within this side, sought from `place` on.
+    /// Position of the outermost cell of the row that is partly inside this side, searched from `place` on.
     fn rim(&self, mut place: usize) -> usize {
         let axis = self.border.frame.y;
         let reach = -0.5 * self.sheet.pitch * (axis.x.abs() + axis.y.abs());
@@ -96,7 +96,7 @@ impl Side<'_> {
         place
     }
 
-    /// Lines around the rim with what the wall makes them too deep by [m]; `None` where no wall stands.
+    /// Columns around the rim with the depth that the side face adds to each [m]; `None` without a side face.
     fn wall(&self, depth: &[f64], rim: usize) -> Option<[(usize, f64); 3]> {
         let [inmost, far, inner] = [self.line(rim, -3)?, self.line(rim, -2)?, self.line(rim, -1)?];
         let [here, outer, outmost] = [self.line(rim, 0)?, self.line(rim, 1)?, self.line(rim, 2)?];
@@ -108,7 +108,7 @@ impl Side<'_> {
             return None;
         }
         let inner_part = (1.0 - self.share(inner)) * wall;
-        // The surface under the wheel, bent as it is there: none of it lies deeper.
+        // The surface under the wheel, extrapolated with its curvature: no part of it lies deeper.
         let groove = 3.0 * (depth[inner] - inner_part - depth[far]) + depth[inmost];
         let part = ((1.0 - self.share(here)) * wall).min((depth[here] - groove).max(0.0));
         Some([(inner, inner_part), (here, part), (outer, wall)])

@@ -1,4 +1,4 @@
-//! Many trials in one submission.
+//! Many simulations in one submission.
 
 use std::collections::BTreeMap;
 
@@ -24,34 +24,34 @@ use crate::settings::{Pass, PassError};
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook, Reset, States};
 
-/// A pass to be run on a part, which trials may share: each changes a copy of its own.
+/// A pass on a part. Trials may share the part; each changes its own copy.
 #[derive(Clone, Copy)]
 pub struct Trial<'a> {
     /// The part before the pass.
     pub part: &'a BrickGrid,
     /// The pass.
     pub pass: Pass<'a>,
-    /// What the tool remembers.
+    /// States of the tool before the pass.
     pub tool: &'a States,
 }
 
-/// A pass that was run.
+/// Result of a pass.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The part afterwards; where the pass failed, at the last good step.
+    /// The part after the pass; if the pass failed, after the last good step.
     pub part: BrickGrid,
-    /// What the tool remembers afterwards.
+    /// States of the tool after the pass.
     pub tool: States,
-    /// Log and figures, or why there are none.
+    /// Log and results, or the error.
     pub record: Result<PassRecord, GpuError>,
 }
 
-/// How a batch is run.
+/// Settings of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Room that each trial begins with; it grows where it must.
+    /// Initial memory of each trial; it grows if needed.
     pub rooms: Rooms,
-    /// Most trials in one submission.
+    /// Maximum number of trials in one submission.
     pub most_trials: usize,
 }
 
@@ -78,9 +78,9 @@ pub fn run_pass(
     outcome.record
 }
 
-/// Runs trials that know nothing of each other, as many at once as the device holds. Gives one result for each, in their
-/// order; `progress` is told of a trial by its number. A trial for which there is no room even alone has an error of its
-/// own. Where the device fails, all trials of that submission have its error, and what was done before stays.
+/// Runs independent trials, as many at once as fit into the device's memory. Returns one result per trial, in their
+/// order; `progress` gets a trial's index and its progress. A trial that does not fit even alone gets its own error. If
+/// the device fails, all trials of that submission get its error; earlier submissions keep their results.
 pub fn run_batch(
     device: &Device,
     trials: &[Trial],
@@ -149,7 +149,7 @@ impl<'a> Ready<'a> {
     }
 }
 
-/// Planes of the pool that a group of trials needs.
+/// Planes of the brick pool that a group of trials needs.
 fn header(group: &[Ready]) -> RunHeader {
     let mut header: RunHeader = bytemuck::Zeroable::zeroed();
     header.planes = 1;
@@ -166,7 +166,7 @@ fn header(group: &[Ready]) -> RunHeader {
     RunHeader { dose_plane: dose, removed_plane: removed, label_plane: label, ..header }
 }
 
-/// The arrays of a group; a part that trials share lies in them once.
+/// The arrays of a group; a part that trials share is stored once.
 fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
     let header = header(group);
     let mut batch = Batch {
@@ -205,7 +205,7 @@ fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
     batch
 }
 
-/// Adds the bricks of a part, plane by plane; a channel that it does not keep is zero.
+/// Appends the bricks of a part, plane by plane; a channel that it does not store is zero.
 fn add_bricks(bricks: &mut Vec<f32>, part: &BrickGrid, header: &RunHeader) {
     let planes = header.planes as usize;
     let first = bricks.len();
@@ -225,7 +225,7 @@ fn add_bricks(bricks: &mut Vec<f32>, part: &BrickGrid, header: &RunHeader) {
     }
 }
 
-/// Runs a group that has one kernel, submission after submission until the last trial is at its end.
+/// Runs a group with a common kernel, submission after submission until the last trial has ended.
 fn run_group(
     device: &Device,
     model: &DeviceModel,
@@ -259,7 +259,7 @@ fn run_group(
     outcomes(&running, model, (group, &header), (records, &states))
 }
 
-/// How far a trial is.
+/// Progress of a trial.
 fn at(state: &TrialState, ready: &Ready) -> Progress {
     Progress {
         time: time_of(state.time_blocks, state.time_rest),
@@ -300,7 +300,7 @@ fn changed_part(ready: &Ready, remains: &Remains, at: (&shaders::layout::TrialSe
     part
 }
 
-/// The record of a pass at its end, or why it ended early.
+/// The completed record of a pass, or the reason for its early end.
 fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<PassRecord, GpuError> {
     let settings = ready.trial.pass.settings;
     let time = time_of(state.time_blocks, state.time_rest);
@@ -319,7 +319,7 @@ fn finish(mut record: PassRecord, state: &TrialState, ready: &Ready) -> Result<P
     Ok(record)
 }
 
-/// The fault of a formula somewhere.
+/// The error of a formula at a hook.
 fn formula_fault(time: f64, place: Hook, model: &CompiledModel) -> GpuError {
     let names: Vec<&str> = model.acting(place).map(|effect| effect.name.as_str()).collect();
     let effects = if names.is_empty() { "the base law".to_owned() } else { names.join(" or ") };

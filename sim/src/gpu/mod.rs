@@ -1,8 +1,8 @@
 //! Passes on a graphics processor: many independent trials in one submission, one workgroup each.
 //!
-//! The device runs the same list of passes as [`crate::run_pass`], shader by shader the twin of the files of this crate:
-//! sheet, contact, controller, removal, commit; in f32, with lengths counted from the tool's lowest point and the sheet's
-//! own level. [`refusal`] says what it cannot run.
+//! The device runs the same list of phases as [`crate::run_pass`]. Each shader mirrors a file of this crate: height
+//! field, contact, controller, removal, reinitialisation. It computes in f32, with lengths measured from the tool's
+//! lowest point and the height field's own level. [`refusal`] names what the device does not support.
 
 mod batch;
 mod readback;
@@ -16,16 +16,16 @@ use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook};
 use robot::Tool;
 
-/// Why a trial has no result.
+/// Error of a trial on the device.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum GpuError {
-    /// Something that the device does not run.
+    /// A feature that the device does not support.
     #[error("the GPU backend does not run {0}: --backend cpu does")]
     Unsupported(String),
-    /// As on the CPU.
+    /// An error that the CPU reports, too.
     #[error(transparent)]
     Pass(#[from] PassError),
-    /// A formula gave no finite number in f32.
+    /// A formula gives no finite number in f32.
     #[error(
         "at {time:.4} s of the pass: a formula of {effects} gives no finite number at the hook {place}; the part holds the \
          last good state, and --backend cpu shows the formula with its inputs"
@@ -33,17 +33,17 @@ pub enum GpuError {
     Formula {
         /// Time in the pass [s].
         time: f64,
-        /// The effects that act there, or the base law.
+        /// The effects that act at the hook, or the base law.
         effects: String,
-        /// Where.
+        /// The hook.
         place: Hook,
     },
-    /// The device failed, or has no room. The part is as it was before the pass.
+    /// The device failed or is out of memory. The part is as it was before the pass.
     #[error("{0}; the part is as it was before the pass")]
     Device(shaders::simulate::SimulateError),
 }
 
-/// What of a pass the device does not run; `None` where it runs all of it.
+/// Names the feature of a pass that the device does not support; `None` if it supports all.
 pub fn refusal(pass: &Pass) -> Option<String> {
     if pass.covariates.is_some() {
         return Some("maps of what each place goes through".to_owned());
@@ -57,7 +57,7 @@ pub fn refusal(pass: &Pass) -> Option<String> {
     refusal_of(pass.tool, pass.model)
 }
 
-/// The same of a tool and a model alone.
+/// The same for a tool and a model alone.
 pub fn refusal_of(tool: &Tool, model: &CompiledModel) -> Option<String> {
     if matches!(tool, Tool::Field(_)) {
         return Some("a tool baked into a field".to_owned());

@@ -1,4 +1,4 @@
-//! What the device leaves of a trial, put back into the forms of the CPU.
+//! Conversion of a trial's results from the device's form to the CPU's.
 
 use glam::IVec3;
 use sdf_bake::BrickGrid;
@@ -14,7 +14,7 @@ use crate::settings::Pass;
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, States};
 
-/// Copies the bricks that a trial wrote into its field.
+/// Copies the bricks that a trial changed into its field.
 pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, header): (&TrialSetup, &RunHeader)) {
     let planes = header.planes as usize;
     for (entry, &slot) in remains.index.iter().enumerate() {
@@ -38,13 +38,13 @@ pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, head
     }
 }
 
-/// The brick of an index entry.
+/// Lattice coordinates of the brick of an index entry.
 fn brick_at(grid: &BrickGrid, entry: usize) -> IVec3 {
     let (entry, dims) = (entry as i32, grid.dims);
     grid.origin + IVec3::new(entry / (dims.y * dims.z), entry / dims.z % dims.y, entry % dims.z)
 }
 
-/// The tool's states among a trial's values; `None` where they are not the model's.
+/// The tool's states from a trial's values; `None` if they do not match the model.
 pub(super) fn states(model: &CompiledModel, device: &DeviceModel, values: &[f32], like: &States) -> Option<States> {
     let (tool, cells) = like.values();
     let read = |first: usize, count: usize| values[first..first + count].iter().map(|&x| f64::from(x)).collect();

@@ -1,4 +1,4 @@
-//! A trial in the form in which the device reads it: lengths in voxels, f32.
+//! Conversion of a trial to the device's form: lengths in voxels, f32.
 
 use glam::DVec3;
 use sdf_bake::BrickGrid;
@@ -19,18 +19,18 @@ use effects::{DeviceModel, States, StepValues, Variable};
 use robot::Controller;
 use robot::Tool;
 
-/// Longest piece of a path [voxels]: f32 resolves places on it to 1e-6 voxel.
+/// Longest segment of a path [voxels]: within it, f32 resolves positions to 1e-6 voxel.
 const PIECE: f64 = 16.0;
-/// How far a tool sinks in at first [voxels].
+/// Depth to which a tool may sink in at its first touch [voxels].
 const SINK: f64 = 2.0;
 
-/// A time as blocks and the rest [s].
+/// A time as a number of blocks and the remainder [s].
 fn clock(time: f64) -> (i32, f32) {
     let blocks = (time * f64::from(TIME_BLOCKS)).floor();
     (blocks as i32, (time - blocks / f64::from(TIME_BLOCKS)) as f32)
 }
 
-/// The time of a clock [s].
+/// The time from blocks and remainder [s].
 pub(super) fn time_of(blocks: i32, rest: f32) -> f64 {
     f64::from(blocks) / f64::from(TIME_BLOCKS) + f64::from(rest)
 }
@@ -39,7 +39,7 @@ fn four(v: DVec3, last: f64) -> [f32; 4] {
     [v.x as f32, v.y as f32, v.z as f32, last as f32]
 }
 
-/// The path in straight pieces, and its end.
+/// The path in straight segments, and its end.
 pub(super) fn path(pass: &Pass, voxel: f64, pace: &Pace) -> Vec<PathPiece> {
     let samples = pass.path.samples();
     let mut pieces = Vec::new();
@@ -56,7 +56,7 @@ pub(super) fn path(pass: &Pass, voxel: f64, pace: &Pace) -> Vec<PathPiece> {
     pieces
 }
 
-/// The piece that begins at a share of the way between two samples.
+/// The segment that begins at a share of the distance between two samples.
 fn piece(
     a: &PathSample,
     b: &PathSample,
@@ -76,7 +76,7 @@ fn piece(
     }
 }
 
-/// Settings of a trial for the device, and the pace of its tool. The host fills in where the trial's arrays begin.
+/// Settings of a trial for the device, and the pace of its tool. The host fills in the offsets of the trial's arrays.
 ///
 /// # Errors
 /// A setting out of range.
@@ -156,7 +156,7 @@ fn controller_kind(controller: Controller) -> u32 {
     }
 }
 
-/// A trial before its first step.
+/// State of a trial before its first step.
 pub(super) fn state(pass: &Pass, setup: &TrialSetup) -> TrialState {
     let mut state: TrialState = bytemuck::Zeroable::zeroed();
     let controller = if pass.approach > 0.0 { Controller::Replay } else { pass.settings.controller };
@@ -173,7 +173,7 @@ pub(super) fn state(pass: &Pass, setup: &TrialSetup) -> TrialState {
     state
 }
 
-/// The values of a trial: variables of the step, parameters, states.
+/// Values of a trial: variables of the step, parameters, states.
 pub(super) fn values(pass: &Pass, states: &States, model: &DeviceModel) -> Vec<f32> {
     let mut step = StepValues::new();
     let face_area = ToolCells::of(pass.tool).face_areas().iter().sum();

@@ -1,4 +1,4 @@
-//! The pause before a pass: what the tool remembers goes on while it stands in the air.
+//! The pause before a pass: the tool's states evolve while it is idle.
 
 use crate::measured::Readings;
 use crate::settings::{LONGEST_STEP, Pass};
@@ -6,8 +6,8 @@ use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, StepValues, Variable};
 
-/// Moves a tool's states on by `duration` [s] before `pass` begins, all speeds, forces and rates at zero: what recovers
-/// in time recovers.
+/// Advances a tool's states by `duration` [s] before `pass` begins, with all speeds, forces and rates at zero: states
+/// that recover in time recover.
 ///
 /// # Errors
 /// A formula that gives no finite number.

@@ -1,8 +1,8 @@
 //! One pass: the tool follows its path, the controller holds the force, the surface recedes or loses its coating.
 //!
-//! While the tool moves a fraction of a voxel the contact is stepped on a sheet read from the field; then what was
-//! lost is written back and the next sheet is read. Steps are as long as the tool needs for half a voxel, unless the
-//! controller's own dynamics matter: then they fall to its period.
+//! While the tool moves a fraction of a voxel, the contact is stepped on a height field read from the distance field.
+//! Then the recession is written back and the next height field is read. A step is as long as the tool needs for about
+//! half a voxel. Where the controller's own dynamics matter, a step is as short as the controller's period.
 
 mod idle_pause;
 mod stretch;
@@ -17,22 +17,22 @@ use crate::settings::{Pass, PassError};
 use crate::step::Runner;
 use effects::{Reset, States};
 
-/// How far a pass is.
+/// Progress of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// Time simulated [s].
     pub time: f64,
     /// Time of the whole pass [s].
     pub duration: f64,
-    /// Force now [N]; 0 in the air.
+    /// Current force [N]; 0 in the air.
     pub force: f64,
 }
 
 /// Runs one pass: changes `grid` and the tool's `states`, returns the log and what was removed.
 ///
 /// # Errors
-/// A setting out of range, a band that is too thin, a contact too soft for the setpoint from beginning to end, more
-/// steps than allowed, or a formula that gives no finite number: then the field holds the last good state.
+/// A setting out of range, a band that is too thin, a contact too soft for the setpoint throughout, more steps than
+/// allowed, or a formula that gives no finite number: then the field holds the last good state.
 pub fn run_pass(
     grid: &mut BrickGrid,
     pass: Pass,

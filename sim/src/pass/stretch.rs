@@ -1,4 +1,4 @@
-//! A pass in stretches: who moves the tool decides, stretch by stretch, where it goes on and how hard it presses.
+//! A pass in stretches: after each, the caller decides on the further path and setpoint.
 
 use sdf_bake::BrickGrid;
 
@@ -8,19 +8,19 @@ use crate::settings::{Pass, PassError};
 use crate::step::{Runner, Suspended};
 use effects::{Reset, States};
 
-/// A pass between two stretches: the controller's motion, what formulas remember, and what was read of the field.
+/// A pass between two stretches: the controller's motion, the states of formulas, and the height fields in use.
 ///
-/// Between stretches the surface may have sunk further than the field shows: see [`Underway::settle`].
+/// Between stretches the surface may have receded further than the field shows: see [`Underway::settle`].
 #[derive(Default)]
 pub struct Underway(Option<Suspended>);
 
 impl Underway {
-    /// Travel and speed of the tool along its approach axis; at rest on its path before the first stretch.
+    /// Travel and speed of the tool along its approach axis; zero before the first stretch.
     pub fn motion(&self) -> Motion {
         self.0.as_ref().map_or(Motion::default(), |kept| kept.motion)
     }
 
-    /// Writes back into the field what the surface lost. The next stretch reads the field again, so that results differ by
+    /// Writes the recession back into the field. The next stretch reads the field again, so its results differ by
     /// rounding from those of a pass that was not settled here.
     pub fn settle(&mut self, grid: &mut BrickGrid) {
         if let Some(kept) = &mut self.0 {
@@ -28,24 +28,25 @@ impl Underway {
         }
     }
 
-    /// A copy of a pass that is settled. Who goes on from the copy, with a copy of field and tool, gets the same bytes.
+    /// A copy of a settled pass. Continuing from the copy, with a copy of field and tool, gives the same bytes.
     ///
     /// # Panics
-    /// If the pass went on since [`Underway::settle`].
+    /// If the pass was continued since [`Underway::settle`].
     #[must_use]
     pub fn copy(&self) -> Self {
         Self(self.0.as_ref().map(Suspended::copy))
     }
 }
 
-/// Runs a pass on to the time `until` [s] since it began; changes `grid` and the tool's `states` as
-/// [`run_pass`](crate::run_pass) does. Returns what this stretch did; its log has no approach and no retract.
+/// Continues a pass to the time `until` [s] since it began; changes `grid` and the tool's `states` as
+/// [`run_pass`](crate::run_pass) does. Returns the record of this stretch; its log has no approach and no retract.
 ///
-/// The path's times are those since the pass began. It may lead beyond `until`: then what is read of the surface serves
-/// the next stretch, too, if the tool goes on so.
+/// The path's times are measured from the beginning of the pass. The path may extend beyond `until`: then the height
+/// field that was read also serves the next stretch, if the tool continues on that path.
 ///
 /// # Errors
-/// As [`run_pass`](crate::run_pass), but for a contact too soft. The pass is then over: `underway` is a new one.
+/// As for [`run_pass`](crate::run_pass), except a contact that is too soft. The pass is then over and `underway` is
+/// reset.
 pub fn run_stretch(
     grid: &mut BrickGrid,
     pass: Pass,

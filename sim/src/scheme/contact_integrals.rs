@@ -1,4 +1,4 @@
-//! What a step did, summed over the squares in contact.
+//! Integrals of a step over the cells in contact.
 
 use glam::DVec3;
 
@@ -15,10 +15,10 @@ use crate::tool_cells::{CellSums, ToolCells, Under};
 use effects::Variable;
 use sdf_bake::simd::in_wide_lanes;
 
-/// Squares that are looked at together for the highest pressure.
+/// Number of cells that are tested together for the highest pressure.
 const LOOKED_AT: usize = 32;
 
-/// Share of a square's lattice area that faces the approach axis, n·a / n·up.
+/// Share of a cell's lattice area that faces the approach axis, n·a / n·up.
 pub(super) struct ApproachShare(DVec3);
 
 impl ApproachShare {
@@ -31,7 +31,7 @@ impl ApproachShare {
         (self.0.z - u * self.0.x - v * self.0.y).max(0.0)
     }
 
-    /// Area of each line's square that faces the approach axis [m²].
+    /// Area of each column's cell that faces the approach axis [m²].
     #[inline(always)]
     pub(super) fn fill(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
         let area = sheet.pitch * sheet.pitch;
@@ -43,7 +43,7 @@ impl ApproachShare {
         }
     }
 
-    /// The same in the processor's widest lanes.
+    /// The same in the processor's widest SIMD lanes.
     pub(super) fn fill_wide(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
         in_wide_lanes(
             #[inline(always)]
@@ -54,26 +54,26 @@ impl ApproachShare {
 
 /// Result of a step for the cells in contact, one lane each.
 pub(crate) struct ContactStep<'a> {
-    /// Lines of the sheet in contact.
+    /// Columns of the height field in contact.
     pub(crate) lines: &'a Lines,
-    /// The tool at the step's start and end; of a step that is taken as its middle, that twice.
+    /// The tool at the step's start and end; both are its middle in a scheme with one evaluation.
     pub(super) start: &'a Side,
     pub(super) end: &'a Side,
-    /// Surface of each lane's square that faces the approach axis [m²].
+    /// Area of each lane's cell that faces the approach axis [m²].
     pub(super) facing: &'a [f64],
     /// Rate at which the depth grows by the tool's motion, without recession [m/s].
     pub(super) depth_rate: &'a [f64],
-    /// Recession of the square's mean [m].
+    /// Recession, mean over the cell [m].
     pub(super) recession: &'a [f64],
-    /// Mean over the square of the pressure, as a mean over the step and at its end [Pa].
+    /// Mean over the cell of the pressure, averaged over the step, and at its end [Pa].
     pub(super) mean_load: &'a [f64],
     pub(super) end_load: &'a [f64],
-    /// Dose that the square's mean took up [1].
+    /// Dose gained, mean over the cell [1].
     pub(super) dose: &'a [f64],
 }
 
 impl ContactStep<'_> {
-    /// Mean of the contact over the step, with the moment left at 0, and the force at its end after recession [N].
+    /// Contact averaged over the step, with the moment left at 0, and the force at its end after recession [N].
     pub(crate) fn contact(&self, sheet: &Sheet) -> (Contact, f64) {
         in_wide_lanes(
             #[inline(always)]
@@ -100,7 +100,7 @@ impl ContactStep<'_> {
         (load * (sheet.pitch * sheet.pitch), area)
     }
 
-    /// Highest pressure [Pa]. That of a lane belongs to the square's mean depth; its middle may be deeper.
+    /// Highest pressure [Pa]. A lane's pressure belongs to the cell's mean depth; the cell's middle may be deeper.
     #[inline(always)]
     fn pressure_max(&self, sheet: &Sheet) -> f64 {
         let Side { lanes: start, squares, .. } = self.start;
@@ -123,8 +123,8 @@ impl ContactStep<'_> {
         highest
     }
 
-    /// Highest pressure [Pa] at the start of the step: that at a square's mean depth, or at the deepest point, which is as
-    /// much higher as it lies deeper.
+    /// Highest pressure [Pa] at the start of the step: the highest at a cell's mean depth, or that at the deepest
+    /// point, scaled by the ratio of the depths.
     pub(crate) fn pressure_to(&self, peak: Option<&Peak>) -> f64 {
         let start = &self.start.lanes;
         let wet = |lane: &usize| start.share[*lane] > 0.0;
@@ -139,7 +139,7 @@ impl ContactStep<'_> {
         self.start.squares.peak(place, sheet)
     }
 
-    /// Extent of the contact at the end of the step, to its rim; `None` without any.
+    /// Extent of the contact at the end of the step, up to its rim; `None` without contact.
     pub(crate) fn patch(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
         self.end.squares.extent(place, sheet)
     }
@@ -155,7 +155,7 @@ impl ContactStep<'_> {
         self.mean_load.iter().zip(self.lines.list()).map(moment).sum()
     }
 
-    /// What happened to each square in contact.
+    /// Results of the step for each cell in contact.
     pub(crate) fn squares(&self) -> impl Iterator<Item = Square> {
         self.lines.list().iter().enumerate().map(|(lane, &line)| Square {
             line: line as usize,
@@ -166,7 +166,7 @@ impl ContactStep<'_> {
         })
     }
 
-    /// What happened under each cell of the tool: means over its contact, and what was taken under it.
+    /// Results for each cell of the tool: means over its contact, and the amounts removed under it.
     pub(crate) fn cell_sums(&self, place: &Placement, sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
         let mut sums = CellSums::default();
         let (places, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
@@ -188,7 +188,7 @@ impl ContactStep<'_> {
         sums
     }
 
-    /// Extent of the contact; `None` without any.
+    /// Extent of the contact; `None` without contact.
     pub(crate) fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
         let (x, y) = in_wide_lanes(
             #[inline(always)]
@@ -202,7 +202,7 @@ impl ContactStep<'_> {
     fn bounds(&self, frame: &SheetFrame, sheet: &Sheet) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (Bounds::NONE, Bounds::NONE);
         if frame.is_upright() {
-            // Where heights do not matter, the ends of a run lie furthest out.
+            // If heights do not matter, the ends of a run lie furthest out.
             let ends = self.lines.runs().iter().flat_map(|Run { lines, .. }| [lines.start, lines.end - 1]);
             for at in ends.map(|line| frame.local(sheet.point(line))) {
                 x.take(0, at.x);

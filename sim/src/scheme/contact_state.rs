@@ -1,4 +1,4 @@
-//! The tool at one end of a step: the squares under it, and those in contact as lanes.
+//! The tool at one end of a step: the cells under it, and those in contact as lanes.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(crate) struct Side {
 }
 
 impl Side {
-    /// Measures the tool at a place. `gap` is filled with how much further away it is than its shape says.
+    /// Measures the tool at a placement. `gap` receives the distance that effects add between tool and workpiece.
     pub(super) fn measure(
         &mut self,
         place: &Placement,
@@ -38,20 +38,20 @@ impl Side {
     }
 }
 
-/// State of the squares in contact at one end of a step.
+/// State of the cells in contact at one end of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct End {
-    /// Mean depth over the wet share [m].
+    /// Mean depth over the share in contact [m].
     pub(super) depth: Vec<f64>,
     pub(super) share: Vec<f64>,
-    /// Depth that recedes by the law [m], negative in the air, and the share of the square that recedes with it.
+    /// Depth that enters the recession law [m], negative in the air, and the share of the cell that recedes with it.
     pub(super) own: Vec<f64>,
     pub(super) cover: Vec<f64>,
-    /// 1 where that is the depth at the column, over flat work; 0 where it is the mean over the wet share.
+    /// 1 if that depth is the depth at the column, over flat work; 0 if it is the mean over the share in contact.
     pub(super) flat: Vec<f64>,
-    /// Whether any lane is.
+    /// True if any lane is flat.
     pub(super) is_flat: bool,
-    /// That depth where it is positive, 0 elsewhere [m], and the pressure there [Pa].
+    /// Positive part of that depth [m], and the pressure at it [Pa].
     wet: Vec<f64>,
     wet_pressure: Vec<f64>,
     pub(super) pressure: Vec<f64>,
@@ -60,7 +60,7 @@ pub(crate) struct End {
 }
 
 impl End {
-    /// Takes depth and share of `lines` from the squares.
+    /// Copies depth and share of `lines` from the cells.
     pub(super) fn gather(&mut self, squares: &Squares, lines: &Lines) {
         let Self { depth, share, .. } = self;
         depth.resize(lines.len(), 0.0);
@@ -79,20 +79,20 @@ impl End {
         );
     }
 
-    /// Takes `times` the greater of two depths that recede, lane by lane.
+    /// Sets the recession depth to `times` the greater of two, lane by lane.
     pub(super) fn set_deeper(&mut self, one: &Self, other: &Self, times: f64) {
         let depths = one.own.iter().zip(&other.own);
         self.own.clear();
         self.own.extend(depths.map(|(a, b)| if a > b { *a } else { *b } * times));
     }
 
-    /// Pressure at the depths.
+    /// Evaluates the pressure at the mean depths.
     pub(super) fn press(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
         physics.pressure(&self.depth, depth_rate, &mut self.pressure)
     }
 
-    /// Pressure at the depths, and recession speed at those that recede: where the two differ, the pressure is straight in the
-    /// depth.
+    /// Evaluates the pressure at the mean depths, and the recession speed at the recession depths. Where the two depths
+    /// differ, the pressure is taken as proportional to the depth.
     pub(super) fn grind(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
         self.press(physics, depth_rate)?;
         if !self.is_flat {
@@ -109,7 +109,7 @@ impl End {
         physics.rate(wet, wet_pressure, rate)
     }
 
-    /// Recession speed at the depths that recede alone.
+    /// Evaluates the recession speed at the recession depths alone.
     pub(super) fn probe(&mut self, physics: &Physics, depth_rate: &[f64]) -> Result<(), RunError> {
         let Self { own, wet, wet_pressure, rate, .. } = self;
         wet.clear();
@@ -118,18 +118,19 @@ impl End {
         physics.rate(wet, wet_pressure, rate)
     }
 
-    /// Dose per time under the pressures.
+    /// Evaluates the dose per time under the pressures.
     pub(super) fn sand(&mut self, physics: &Physics) -> Result<(), RunError> {
         physics.dose_rate(&self.depth, &self.pressure, &mut self.dose_rate)
     }
 }
 
-/// Takes the depths that recede at both ends of a step, on a sheet `across` lines wide under a tool of certain `bends` (see
-/// [`Columns::is_flat`]).
+/// Sets the recession depths at both ends of a step, on a height field `across` columns wide under a tool with certain
+/// `bends` (see [`Columns::is_flat`]).
 ///
-/// Over flat work that is the depth at the column: then a column meets a threshold when the tool does, and the sum of what
-/// columns lose is that of the work. Elsewhere the depth within a square is not known; there it is the mean over the wet share, of
-/// which the square recedes by that share, so that pressure and removal go together.
+/// Over flat work the recession depth is the depth at the column. Then a column meets a threshold when the tool does,
+/// and the columns' removal sums to that of the work. Elsewhere the depth within a cell is not known, and the recession
+/// depth is the mean over the share in contact. The cell recedes by that share of the rate, so that pressure and
+/// removal are consistent.
 pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, bends): (usize, [f64; 2]), lines: &Lines) {
     let (before, after) = (&start.squares, &end.squares);
     let (start, end) = (&mut start.lanes, &mut end.lanes);
@@ -159,7 +160,7 @@ pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, ben
     (start.is_flat, end.is_flat) = (any, any);
 }
 
-/// The same for the columns of one row, in some `lanes`. Returns whether work is flat under any.
+/// The same for the columns of one row, in some `lanes`. Returns true if the work is flat under any.
 #[inline(always)]
 fn recede_in_row(
     (start, end): (&mut End, &mut End),
@@ -176,7 +177,7 @@ fn recede_in_row(
         let (a, b) = (before.depth[i], after.depth[i]);
         let is_flat = before.is_flat(i, bends) & after.is_flat(i, bends) & ((a > 0.0) | (b > 0.0));
         let covers = (before.cover(i), after.cover(i));
-        // A column in the air has the cover that it has at the other end.
+        // A column in the air takes its cover from the other end of the step.
         let cover_before = if (covers.0 == 0.0) & (a < 0.0) { covers.1 } else { covers.0 };
         let cover_after = if (covers.1 == 0.0) & (b < 0.0) { covers.0 } else { covers.1 };
         own_a[i] = if is_flat { a } else { own_a[i] };

@@ -1,21 +1,21 @@
-//! The dose that a step gives the coating, Eq. (2).
+//! Dose of the coating in a step, Eq. (2).
 
 use super::lanes::sum;
 use crate::lines::{Lines, Run};
 use crate::sheet::Sheet;
 use sdf_bake::simd::in_wide_lanes;
 
-/// Dose of each lane in a step; filled again and again.
+/// Dose of each lane in a step; the buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dose {
-    /// Mean dose that each cell takes up in the step [1].
+    /// Mean dose that each cell gains in the step [1].
     pub(super) gain: Vec<f64>,
-    /// Share of each lane's square from which the step takes the coating, times its surface per area of the lattice [1].
+    /// Dose gained up to 1, where the coating ends, times the surface per area of the lattice [1].
     bared: Vec<f64>,
 }
 
 impl Dose {
-    /// Adds the gain to a sheet's dose. Returns the area [m²] from which that takes all of the coating.
+    /// Adds the gain to a height field's dose. Returns the removed volume of coating per thickness [m²].
     pub(super) fn add_to(&mut self, sheet: &mut Sheet, lines: &Lines) -> f64 {
         let Self { gain, bared } = self;
         in_wide_lanes(

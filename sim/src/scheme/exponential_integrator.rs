@@ -1,29 +1,29 @@
-//! Lanes integrated over a step, in the processor's widest lanes.
+//! Integration of the lanes over a step, in the processor's widest SIMD lanes.
 
 use super::contact_state::End;
 use crate::phi_functions::Decay;
 pub(super) use shaders::constants::PROBE;
 
-/// Relative difference up to which two lanes are integrated with the same weights.
+/// Relative difference of decay up to which two lanes are integrated with the same weights.
 const SAME_DECAY: f64 = 1e-6;
 
-/// What a step does to each lane; filled again and again.
+/// Results of a step for each lane; the buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Relaxed {
-    /// Recession of the square's mean over the step [m].
+    /// Recession over the step, mean over the cell [m].
     pub(super) recession: Vec<f64>,
-    /// Mean over the square of the pressure at the end [Pa].
+    /// Pressure at the end of the step, mean over the cell [Pa].
     pub(super) end_load: Vec<f64>,
-    /// The same as a mean over the step.
+    /// The same, averaged over the step.
     pub(super) mean_load: Vec<f64>,
-    /// How the load at the end falls as the tool is lifted, -dp/dz [Pa/m].
+    /// Stiffness: decrease of the load at the end as the tool is lifted, -dp/dz [Pa/m].
     pub(super) stiffness: Vec<f64>,
     /// Relaxation of each lane in the step, λ dt [1].
     pub(super) relaxation: Vec<f64>,
 }
 
 impl Relaxed {
-    /// Lets a lane recede otherwise: by a recession and its mean over the step [m].
+    /// Replaces a lane's recession by a recession and its mean over the step [m].
     pub(super) fn recede(&mut self, lane: usize, (start, end): (&End, &End), (recession, mean): (f64, f64)) {
         let load = |end: &End| end.pressure[lane] * end.share[lane];
         let deeper = if start.depth[lane] > end.depth[lane] { start } else { end };
@@ -40,10 +40,10 @@ impl Relaxed {
 pub(super) struct Relax<'a> {
     pub(super) start: &'a End,
     pub(super) end: &'a End,
-    /// Recession speed a little deeper than the deeper of both ends [m/s].
+    /// Recession speed at a slightly greater depth than that of the deeper end [m/s].
     pub(super) probe: &'a [f64],
     pub(super) dt: f64,
-    /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [m].
+    /// Bulge: excess of the depth in the middle of the step over the mean of both ends, without recession [m].
     pub(super) bulge: f64,
     pub(super) out: &'a mut Relaxed,
 }
@@ -89,7 +89,7 @@ fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut 
     }
 }
 
-/// Integrates `count` lanes from `first` on, which relax alike.
+/// Integrates `count` lanes from `first` on that share the same weights.
 #[inline(always)]
 fn integrate(
     start: &End,
@@ -118,7 +118,7 @@ fn integrate(
         let (load_a, load_b) = (pressure_a[lane] * share_a[lane], pressure_b[lane] * share_b[lane]);
         let mean_depth = depth_b[lane] * share_b[lane];
         let left = if mean_depth > 0.0 { (1.0 - recession / mean_depth).max(0.0) } else { 0.0 };
-        // The mean of the recession up to a time, over the step.
+        // Mean over the step of the accumulated recession.
         let mean_recession = dt * (rate_a * decay.psi1 + (rate_b - rate_a) * decay.psi2);
         let stiffness = if deeper > 0.0 { highest / deeper } else { 0.0 };
         recessions[lane] = recession;

@@ -1,9 +1,10 @@
-//! The scheme of grinding: the surface recedes by Eq. (1) while the tool comes nearer.
+//! The grinding scheme: the surface recedes by Eq. (1) while the tool approaches.
 //!
-//! Within a step the mean depth m of a square obeys `dm/dt = s - r(m)`, Eq. (5): s is how fast the tool comes nearer, r the
-//! recession. Stiff contacts relax within a fraction of a step (`∂r/∂m = k K`), so the equation is linearised about the
-//! step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq. 2.8): any step
-//! is stable, and for Eq. (1) exact as long as s is constant. A step that takes no time is the contact of a tool held still.
+//! Within a step the mean depth m of a cell obeys `dm/dt = s - r(m)`, Eq. (5), where s is the approach speed of the
+//! tool and r the recession speed. Stiff contacts relax within a fraction of a step (`∂r/∂m = k K`). So the equation is
+//! linearised about the step's ends and integrated exactly (exponential integrators, Hochbruck and Ostermann 2010, eq.
+//! 2.8). Any step is stable, and exact for Eq. (1) while s is constant. A step of zero duration is the contact of a
+//! tool held still.
 
 use std::ops::Range;
 
@@ -28,28 +29,28 @@ use robot::Tool;
 /// State of a step for each cell in contact; its buffers are reused by the next step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grinding {
-    /// Columns that are looked at.
+    /// Columns that are evaluated.
     region: Region,
     /// Gap that effects add between tool and surface [m], by column; empty without any.
     gap: Vec<f64>,
-    /// Lines of the sheet that are in contact at either end.
+    /// Columns of the height field that are in contact at either end.
     lines: Lines,
     start: Side,
     end: Side,
-    /// The law at other depths than those of the ends.
+    /// The law at depths other than those of the ends.
     probe: End,
     /// Rate at which the depth grows by the tool's motion, without recession [m/s].
     depth_rate: Vec<f64>,
-    /// By how much deeper a point lies in the middle of the step than the mean of both ends, without recession [m].
+    /// Bulge: excess of the depth in the middle of the step over the mean of both ends, without recession [m].
     bulge: f64,
     /// Recession, loads and stiffness of each lane.
     relaxed: Relaxed,
     dose: Dose,
-    /// Surface of each lane's square that faces the approach axis [m²].
+    /// Area of each lane's cell that faces the approach axis [m²].
     facing: Vec<f64>,
-    /// Recession since the sheet's slopes were taken, at most [m].
+    /// Upper bound of the recession since the height field's slopes were computed [m].
     bent: f64,
-    /// True if the step before was applied to this sheet and ends where the next begins.
+    /// True if the previous step was applied to this height field and ends where the next begins.
     goes_on: bool,
 }
 
@@ -88,7 +89,7 @@ impl Scheme for Grinding {
         self.goes_on
     }
 
-    /// At its end.
+    /// Measured at the end of the step.
     fn measured<'a>(&self, tool: &'a Tool, times: Range<f64>, pose_at: &dyn Fn(f64) -> Pose) -> Placement<'a> {
         Placement::still(tool, pose_at(times.end))
     }
@@ -176,18 +177,18 @@ impl Scheme for Grinding {
 }
 
 impl Grinding {
-    /// Cuts squares that are not straight into smaller cells from now on: for a tool that is held still.
+    /// Subdivides cells with curved depths from now on: for a tool that is held still.
     pub(crate) fn look_closer(&mut self) {
         self.start.squares.look_closer();
         self.end.squares.look_closer();
     }
 
-    /// Takes up how each square faces the approach axis: what integrals over the step are taken with.
+    /// Computes how each cell faces the approach axis, for integrals over the step.
     pub(crate) fn face(&mut self, pose: &Pose, sheet: &Sheet) {
         ApproachShare::new(pose, sheet).fill_wide(sheet, &self.lines, &mut self.facing);
     }
 
-    /// The tool in the middle of the step: slip and places are those of there for both ends, second order in its length.
+    /// The tool in the middle of the step: both ends use its slip and positions, second order in the step's length.
     fn middle<'a>(&self, place: &Placement<'a>) -> Placement<'a> {
         let centre = 0.5 * (self.start.centre + self.end.centre);
         Placement { pose: Pose { centre, ..place.pose }, ..*place }
@@ -196,11 +197,11 @@ impl Grinding {
     /// Gathers the lanes of both ends of a step of `dt` [s].
     fn gather(&mut self, place: &Placement, (sheet, dt): (&Sheet, f64), may_bend: bool) {
         let (a, b) = (&self.start.squares, &self.end.squares);
-        // The step before may have used up what was left of a square.
+        // The previous step may have used up the rest of a cell.
         self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.lanes.gather(a, &self.lines);
         self.end.lanes.gather(b, &self.lines);
-        // What follows from the slope at the deeper end alone says where a law begins only if it is straight above that.
+        // The slope at the deeper end alone locates a law's threshold only if the law is linear above it.
         let square = if may_bend { 0.0 } else { sheet.pitch * sheet.pitch };
         let bends = place.tool.curvatures().map(|curvature| curvature * square);
         contact_state::gather_receding((&mut self.start, &mut self.end), (sheet.window.size[1], bends), &self.lines);
@@ -212,7 +213,7 @@ impl Grinding {
         self.bulge = place.tool.bulge(way.dot(frame.x).powi(2), way.dot(frame.y).powi(2));
     }
 
-    /// Integrates each lane over the step with the law straight from its ends on.
+    /// Integrates each lane over the step with the law linearised at its ends.
     fn integrate(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
         let Self { start: Side { lanes: start, .. }, end: Side { lanes: end, .. }, probe, relaxed, bulge, .. } = self;
         // Eq. (3), pressure, and Eq. (1), recession speed.
@@ -228,7 +229,7 @@ impl Grinding {
         Ok(())
     }
 
-    /// Evaluates the law again at the depth after recession, and corrects lanes in which it is not a straight line.
+    /// Evaluates the law again at the depth after recession, and corrects lanes in which it is nonlinear.
     fn look_again(&mut self, physics: &Physics, dt: f64) -> Result<(), RunError> {
         let Self { start, end: Side { lanes: end, .. }, probe, relaxed, .. } = self;
         probe.depth.clear();
@@ -257,7 +258,7 @@ impl Grinding {
         result
     }
 
-    /// Lets the surface of a sheet recede.
+    /// Applies the recession to a height field.
     fn recede(&self, sheet: &mut Sheet) -> Applied {
         let mut applied = Applied::default();
         let lanes = self.lines.list().iter().zip(&self.relaxed.recession);
@@ -271,7 +272,7 @@ impl Grinding {
         applied
     }
 
-    /// Starts the next step where this one, which was applied to the sheet, has ended.
+    /// Starts the next step from the end of this one, which was applied to the height field.
     fn go_on(&mut self) {
         let Self { start, end, lines, relaxed, .. } = self;
         std::mem::swap(&mut start.squares, &mut end.squares);

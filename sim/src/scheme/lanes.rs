@@ -1,8 +1,9 @@
-//! Sums over lanes, in the processor's widest.
+//! Sums over lanes, in the processor's widest SIMD lanes.
 //!
-//! A sum is that of eight parts, which take up the lanes in turn, whatever the processor: its bits are the same everywhere.
+//! A sum is the total of eight partial sums that take the lanes in turn, on any processor, so its bits are the same
+//! everywhere.
 
-/// Parts of a sum.
+/// Number of partial sums.
 pub(super) const PARTS: usize = 8;
 
 /// Sum of lanes.
@@ -29,17 +30,17 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     parts.iter().sum()
 }
 
-/// Least and greatest of the values that were taken up.
+/// Minimum and maximum of the values taken.
 pub(super) struct Bounds {
     low: [f64; PARTS],
     high: [f64; PARTS],
 }
 
 impl Bounds {
-    /// Those of none.
+    /// Bounds of no values.
     pub(super) const NONE: Self = Self { low: [f64::INFINITY; PARTS], high: [f64::NEG_INFINITY; PARTS] };
 
-    /// Takes up a value for one of the parts.
+    /// Takes a value into one of the parts.
     #[inline(always)]
     pub(super) fn take(&mut self, part: usize, value: f64) {
         self.low[part] = if value < self.low[part] { value } else { self.low[part] };

@@ -1,7 +1,9 @@
-//! Integration of the contact over a step: a scheme for work that recedes, and one for work that only loses coating.
+//! Integration of the contact over a step: a scheme for grinding, whose surface recedes, and one for sanding, whose
+//! coating wears.
 //!
-//! Both measure the tool over the columns, take the pressure from the model, and vary the tool's travel until the force
-//! meets the controller's law. They differ in where in the step they measure, and in what they take from the work.
+//! Both measure the tool over the columns, evaluate the model's pressure, and vary the tool's travel until the force
+//! meets the controller's law. They differ in the time within the step at which they measure, and in the quantity that
+//! they remove.
 
 mod contact_integrals;
 mod contact_state;
@@ -29,39 +31,39 @@ use crate::sheet::{Sheet, Window};
 use effects::RunError;
 use robot::Tool;
 
-/// A way to integrate the contact over steps. What follows is in the order in which a step asks for it.
+/// A method to integrate the contact over steps. A step calls the methods in this order.
 pub(crate) trait Scheme: Send {
-    /// True if the surface recedes: then what was read of it is written back, and read again.
+    /// True if the surface recedes: then the height field is written back and read again.
     fn recedes(&self) -> bool;
 
-    /// Longest ways and steps of a pass's tool over voxels of a size [m].
+    /// Longest distances and steps of a pass's tool on voxels of a size [m].
     fn pace(&self, pass: &Pass, voxel: f64) -> Pace;
 
-    /// The part of the surface to be read next, and its lowest corner [m up].
+    /// The window of the surface to be read next, and its lowest corner [m up].
     fn next_window(&self, ahead: &Ahead) -> (Window, f64);
 
-    /// Distance below the tool down to which the surface is sought [m] while the tool is at work.
+    /// Distance below the tool down to which the surface is searched for [m] while the tool is at work.
     fn below(&self, search_reach: f64, voxel: f64) -> f64;
 
-    /// Looks at a region of the sheet from now on.
+    /// Evaluates a region of the height field from now on.
     fn look_at(&mut self, region: Region);
 
-    /// Forgets the step before: its sheet is put aside.
+    /// Forgets the previous step, because its height field is discarded.
     fn leave_sheet(&mut self);
 
-    /// True if the step continues from the state that the one before left, so that its start is in balance.
+    /// True if the step continues from the state that the previous one left, so that its start is in balance.
     fn goes_on(&self) -> bool;
 
-    /// Where in a step over some times [s] the tool is measured.
+    /// Placement of the tool within a step over `times` [s] at which it is measured.
     fn measured<'a>(&self, tool: &'a Tool, times: Range<f64>, pose_at: &dyn Fn(f64) -> Pose) -> Placement<'a>;
 
-    /// Starts a step: measures the tool over the surface as it is now, where that is needed.
+    /// Starts a step: measures the tool over the current surface, if needed.
     ///
     /// # Errors
-    /// A formula of the model that gives no finite number; so for all that runs the model.
+    /// A formula of the model that gives no finite number; the same for all methods that evaluate the model.
     fn begin(&mut self, start: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError>;
 
-    /// Tries a step of `dt` [s]: the tool's force where it is measured.
+    /// Force of a trial step of `dt` [s] with the tool at the given placement.
     fn force_at(
         &mut self,
         place: &Placement,
@@ -70,22 +72,23 @@ pub(crate) trait Scheme: Send {
         dt: f64,
     ) -> Result<EndForce, RunError>;
 
-    /// True if that force is the mean over the step, false if it is the one at its end.
+    /// True if that force is the mean over the step, false if it is the force at its end.
     fn is_mean(&self) -> bool;
 
-    /// Largest depth under the working surface there [m], negative: the gap.
+    /// Largest depth under the working surface at a placement [m]; negative when the tool is above the surface (the
+    /// gap).
     fn gap(&self, place: &Placement, sheet: &Sheet) -> f64;
 
     /// True if the patch may extend beyond the region.
     fn reaches_border(&self, sheet: &Sheet) -> bool;
 
-    /// Completes the step of `dt` [s] with the tool at `middle` on its way, once its force is the one that is sought.
+    /// Completes the step of `dt` [s] once its force is balanced; `middle` is the tool in the middle of the step.
     fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError>;
 
     /// Result of the step for the cells in contact.
     fn step(&self) -> ContactStep<'_>;
 
-    /// Applies the step to a sheet and its `coating` [m].
+    /// Applies the step to a height field and its `coating` [m].
     fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied;
 }
 
@@ -94,26 +97,27 @@ pub(crate) fn scheme_of(physics: &Physics) -> Box<dyn Scheme> {
     if physics.grinds() { Box::<Grinding>::default() } else { Box::<Sanding>::default() }
 }
 
-/// Longest ways of a tool, and longest steps.
+/// Longest distances of a tool, and longest steps.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pace {
-    /// In one step [m].
+    /// Longest distance in one step [m].
     pub(crate) step_way: f64,
-    /// On one sheet [m].
+    /// Longest distance on one height field [m].
     pub(crate) sheet_way: f64,
-    /// Longest step that may begin on each piece of the path [s].
+    /// Longest step that may begin on each segment of the path [s].
     pub(crate) longest_steps: Vec<f64>,
 }
 
 impl Pace {
-    /// Longest step on a piece of a path in which a tool goes no farther than `way` [m]: `longest` [s] where it stands.
+    /// Longest step on a segment of a path in which a tool moves no farther than `way` [m]; `longest` [s] if it is at
+    /// rest.
     fn longest_step(path: &Path, piece: usize, (way, longest): (f64, f64)) -> f64 {
         let speed = path.piece_velocity(piece).length();
         if speed > 0.0 { longest.min(way / speed) } else { longest }
     }
 }
 
-/// Tool, contact and times from which the next part of the surface to be read is chosen.
+/// Tool, contact and times from which the next window of the surface is chosen.
 pub(crate) struct Ahead<'a> {
     /// The tool.
     pub(crate) tool: &'a Tool,
@@ -121,17 +125,17 @@ pub(crate) struct Ahead<'a> {
     pub(crate) extent: Extent,
     /// Voxel of the field [m].
     pub(crate) voxel: f64,
-    /// Longest ways of the tool.
+    /// Longest distances of the tool.
     pub(crate) pace: &'a Pace,
-    /// Time until the next sheet is written back [s].
+    /// Time until the next height field is written back [s].
     pub(crate) until_written: f64,
     /// Time until the end of the pass [s].
     pub(crate) until_end: f64,
-    /// The window for an extent of the contact, so long ahead [s] at so many poses.
+    /// The window for an extent of the contact, over a time ahead [s] sampled at a number of poses.
     pub(crate) window: &'a dyn Fn(&Extent, f64, f64) -> (Window, f64),
 }
 
-/// Force at the end of a step, and how it depends on the travel.
+/// Force at the end of a step, and its dependence on the travel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndForce {
     /// At the end [N].
@@ -140,11 +144,11 @@ pub(crate) struct EndForce {
     pub(crate) stiffness: f64,
 }
 
-/// Removal by a step that was applied to a sheet.
+/// Removal by a step that was applied to a height field.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Applied {
     /// Volumes removed from the part and from its coating.
     pub(crate) removal: Removal,
-    /// Largest recession of any column since the sheet was read [m].
+    /// Largest recession of any column since the height field was read [m].
     pub(crate) receded: f64,
 }

@@ -1,20 +1,20 @@
-//! Laws that are not straight lines in the depth: what the straight ones give is put right from a second look at the law, at
-//! the depths at which the step ends.
+//! Correction for laws that are nonlinear in the depth: the result of the linearised law is corrected by evaluating the
+//! law at the depth at the end of the step.
 //!
-//! With q the depth at the end after all, r is taken as the straight line through the start and q, the pressure as the one through q
-//! and what the end would be without recession.
+//! Let q be that depth. The rate r is taken as linear through the start and q. The pressure is taken as linear through
+//! q and the end depth without recession.
 
 use super::contact_state::End;
 use super::exponential_integrator::Relaxed;
 use crate::phi_functions::Decay;
 use shaders::constants::APART;
 
-/// Mean depth over the wet share [m] that a recession leaves.
+/// Mean depth over the share in contact [m] after a recession.
 pub(super) fn left(depth: f64, share: f64, recession: f64) -> f64 {
     if share > 0.0 { (depth - recession / share).max(0.0) } else { 0.0 }
 }
 
-/// Puts right the lanes whose law bends.
+/// Corrects the lanes whose law is nonlinear.
 pub(super) fn bend((start, end, reached): (&End, &End, &End), dt: f64, out: &mut Relaxed) {
     for lane in 0..reached.depth.len() {
         let at = |end: &End| Look { depth: end.depth[lane], pressure: end.pressure[lane], rate: end.rate[lane] };
@@ -34,12 +34,12 @@ struct Look {
     rate: f64,
 }
 
-/// The law at the start of a step, at its end without recession, and where it ends after all.
+/// The law at the start of a step, at its end without recession, and at its end with recession.
 struct Looks {
     start: Look,
     end: Look,
     reached: Look,
-    /// Wet shares at start and end.
+    /// Shares in contact at start and end.
     shares: [f64; 2],
 }
 
@@ -68,7 +68,7 @@ impl Looks {
     }
 }
 
-/// Slope between two points, unless they are too near each other.
+/// Slope between two points; `None` if they are too close.
 fn slope(a: (f64, f64), b: (f64, f64)) -> Option<f64> {
     ((b.0 - a.0).abs() > APART * a.0.max(b.0)).then(|| (b.1 - a.1) / (b.0 - a.0))
 }

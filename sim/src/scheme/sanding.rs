@@ -1,7 +1,8 @@
-//! The scheme of sanding: the surface stays as it is, and its coating takes up the dose of Eq. (2).
+//! The sanding scheme: the surface stays as it is, and its coating gains the dose of Eq. (2).
 //!
-//! A step is taken as its middle, with the border of the working surface and its depth swept by the tool's way. So it may be far
-//! longer than one under which the surface recedes. Sheets are as large as the way ahead, and are kept.
+//! A step is evaluated at its middle, with the border and the depth of the working surface swept by the tool's motion.
+//! So it may be much longer than a step in which the surface recedes. Height fields are as large as the path ahead
+//! needs, and are kept.
 
 use std::ops::Range;
 
@@ -24,37 +25,37 @@ use effects::RunError;
 use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
 
-/// Way of a tool in one step [footprints], and longest such step [s].
+/// Distance of a tool in one step [footprints], and longest such step [s].
 const STEP: (f64, f64) = (0.04, LONGEST_STEP);
-/// The same where the tool keeps its velocity, so that the middle of the step stands for all of it.
+/// The same while the tool keeps its velocity, so that the middle of the step represents all of it.
 const STEADY_STEP: (f64, f64) = (0.06, LONGEST_STEADY_STEP);
-/// Difference in velocity up to which it counts as kept [1].
+/// Relative change of the velocity up to which it counts as kept [1].
 const STEADY: f64 = 0.05;
-/// Its way on one sheet [footprints]: the surface stays as it was read.
+/// Distance of the tool on one height field [footprints]; the surface stays as it was read.
 const SHEET: f64 = 1.0;
-/// Lines of a sheet, unless the tool's next ways need more: some 40 MB.
+/// Maximum number of columns of a height field, unless the next steps need more: about 40 MB.
 const MOST_LINES: usize = 1 << 18;
-/// Most poses of the way ahead that choose a sheet: a tool that hardly moves takes for ever.
+/// Maximum number of poses of the path ahead that choose a window: a tool that hardly moves would need endless time.
 const MOST_POSES: f64 = 1e5;
 
 /// State of a step for each cell in contact; its buffers are reused by the next step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sanding {
-    /// Columns that are looked at.
+    /// Columns that are evaluated.
     region: Region,
     /// Gap that effects add between tool and surface [m], by column; empty without any.
     gap: Vec<f64>,
-    /// Lines of the sheet that are in contact.
+    /// Columns of the height field that are in contact.
     lines: Lines,
-    /// The step, taken as its middle.
+    /// The tool in the middle of the step.
     middle: Side,
-    /// Mean over each lane's square of the pressure [Pa], and how it falls as the tool is lifted [Pa/m].
+    /// Mean pressure over each lane's cell [Pa], and its decrease as the tool is lifted [Pa/m].
     load: Vec<f64>,
     stiffness: Vec<f64>,
-    /// Zero for each lane: how fast the depth changes [m/s], and what the surface recedes [m].
+    /// Zero for each lane: rate of the depth [m/s], and recession of the surface [m].
     zeros: Vec<f64>,
     dose: Dose,
-    /// Surface of each lane's square that faces the approach axis [m²].
+    /// Area of each lane's cell that faces the approach axis [m²].
     facing: Vec<f64>,
 }
 
@@ -77,7 +78,7 @@ impl Scheme for Sanding {
         }
     }
 
-    /// As much as the tool will meet and a sheet may hold.
+    /// As much as the tool will cross and one height field may hold.
     fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
         let extent = Extent::of(ahead.tool, 2.0 * ahead.voxel).joined(&ahead.extent);
         let mut time = ahead.until_written.max(ahead.until_end);
@@ -105,7 +106,7 @@ impl Scheme for Sanding {
         true
     }
 
-    /// In its middle, with the way of the whole step as the sweep.
+    /// Measured in the middle of the step, with the motion of the whole step as the sweep.
     fn measured<'a>(&self, tool: &'a Tool, times: Range<f64>, pose_at: &dyn Fn(f64) -> Pose) -> Placement<'a> {
         let sweep = pose_at(times.end).centre - pose_at(times.start).centre;
         Placement { tool, pose: pose_at(0.5 * (times.start + times.end)), sweep }
@@ -183,7 +184,7 @@ impl Scheme for Sanding {
 }
 
 impl Sanding {
-    /// Measures the cells: updates their depths if the tool has only moved along its axis, else measures all again.
+    /// Measures the cells: updates their depths if the tool only moved along its axis, otherwise measures all again.
     fn measure(&mut self, place: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
         let Self { region, gap, middle: Side { centre, squares, .. }, .. } = self;
         *centre = place.pose.centre;

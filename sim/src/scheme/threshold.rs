@@ -1,16 +1,16 @@
-//! Squares that begin or cease to recede within a step: where a law begins above a threshold.
+//! Cells that start or stop receding within a step, for a law with a threshold.
 //!
-//! Such a law is taken as straight above the depth at which it begins. The part of the step in which a depth lies above that
-//! is found on its parabola over time, and only that part is integrated.
+//! Such a law is taken as linear above its threshold depth. The part of the step in which the depth exceeds the
+//! threshold is found on its parabola over time, and only that part is integrated.
 
 use super::contact_state::End;
 use super::exponential_integrator::{PROBE, Relaxed};
 use crate::phi_functions::Decay;
 use shaders::constants::NO_THRESHOLD;
 
-/// Takes lanes back to the mean depth over their wet share whose law has no threshold: for a law that is straight from
-/// depth 0 on the rate at the mean is the mean of the rates, and pressure and removal go together. `probe` holds the rates
-/// at [`super::exponential_integrator::PROBE`] above the deeper end.
+/// Resets lanes without a threshold in their law to the mean depth over their share in contact. For a law that is
+/// linear from depth 0 on, the rate at the mean is the mean of the rates, so pressure and removal are consistent.
+/// `probe` holds the rates at [`super::exponential_integrator::PROBE`] above the deeper end.
 pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
     if !end.is_flat {
         return;
@@ -35,7 +35,8 @@ pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
     }
 }
 
-/// Corrects the lanes that recede at one end of a step of `dt` [s] only. `bulge` [m] as in [`super::exponential_integrator::Relax`].
+/// Corrects the lanes that recede at only one end of a step of `dt` [s]. `bulge` [m] as in
+/// [`super::exponential_integrator::Relax`].
 pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &mut Relaxed) {
     if !end.is_flat {
         return;
@@ -59,11 +60,11 @@ pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &m
     }
 }
 
-/// A depth that crosses the one at which a law begins.
+/// A depth that crosses the threshold of a law.
 struct Crossing {
-    /// Depth above that at the deeper end [m].
+    /// Depth above the threshold at the deeper end [m].
     above: f64,
-    /// Part of the step in which the depth lies above it, without recession.
+    /// Part of the step in which the depth exceeds the threshold, without recession.
     part: f64,
     /// Relaxation in the step, λ dt.
     x: f64,
@@ -72,14 +73,15 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// Recession and its mean over the step [m] of a square that begins to recede within it.
+    /// Recession and its mean over the step [m] of a cell that starts to recede within it.
     fn begins(&self) -> (f64, f64) {
         let decay = Decay::new(self.x * self.part);
         let bulged = self.bulge * self.part * self.part * decay.bulge_gain();
         (self.above * decay.x * decay.phi2 + bulged, self.part * self.above * decay.x * decay.psi2)
     }
 
-    /// The same of a square that ceases to. While the tool leaves at a speed s, the depth u above is gone after `ln(1 + λ u/s)/λ`.
+    /// The same for a cell that stops. While the tool retreats at a speed s, a depth u above the threshold is gone
+    /// after `ln(1 + λ u/s)/λ`.
     fn ceases(&self) -> (f64, f64) {
         let decay = Decay::new(self.x * self.part);
         let log = decay.x.ln_1p() / decay.x;
@@ -89,8 +91,8 @@ impl Crossing {
     }
 }
 
-/// Part of a step, from its deeper end on, in which a depth is less than `above` [m] below that end. Over the step it changes by
-/// `way` [m] on a parabola that exceeds the straight line by `bulge` [m] in the middle.
+/// Part of a step, from its deeper end, in which the depth is less than `above` [m] below that end. Over the step the
+/// depth changes by `way` [m] on a parabola that exceeds the straight line by `bulge` [m] in the middle.
 fn part_above(above: f64, way: f64, bulge: f64) -> f64 {
     // above = way t - 4 bulge t (1 - t)
     let slope = way - 4.0 * bulge;

@@ -1,4 +1,5 @@
-//! A sheet from the field, or where nothing has changed from the sheet before.
+//! Reading of a height field from the distance field, or, where the surface has not changed, from the previous height
+//! field.
 
 use std::cell::OnceCell;
 
@@ -8,13 +9,14 @@ use super::{Facing, NO_SURFACE, Sheet, Window};
 use crate::lattice_line::Lattice;
 
 impl Sheet {
-    /// Reads a window of the field's surface. Columns start near `level` [m up], go up where they start in the
-    /// material, and are followed down to `floor` [m up].
+    /// Reads the surface in a window. On each column the search starts near `level` [m up], goes up if it starts inside
+    /// the material, and otherwise down to `floor` [m up].
     pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
         Self::read_beside(None, grid, facing, window, (level, floor))
     }
 
-    /// Reads a window of a surface that is still where the sheet `before` had it: lines that are in both are taken from there.
+    /// Reads a window of a surface that has not changed since the height field `before`: columns in both are copied
+    /// from it.
     pub(crate) fn read_beside(
         before: Option<&Self>,
         grid: &BrickGrid,
@@ -54,7 +56,8 @@ impl Sheet {
         sheet
     }
 
-    /// Takes the lines that are in another sheet, too, as reading them from the field would.
+    /// Copies the columns that are also in another height field, with the values that reading them from the field would
+    /// give.
     fn take_from(&mut self, before: &Self) {
         let (own, other) = (self.window, before.window);
         let common = [0, 1].map(|d| {
@@ -72,7 +75,7 @@ impl Sheet {
             self.height[to.clone()].copy_from_slice(&before.height[from.clone()]);
             self.removed[to.clone()].copy_from_slice(&before.removed[from.clone()]);
             self.label[to.clone()].copy_from_slice(&before.label[from.clone()]);
-            // The field keeps it in single precision.
+            // The distance field stores it in single precision.
             let doses = self.dose[to].iter_mut().zip(&before.dose[from]);
             doses.for_each(|(to, dose)| *to = f64::from(*dose as f32));
         }
@@ -99,7 +102,8 @@ impl Sheet {
         }
     }
 
-    /// Takes dose, removed depth and label of the lines that were not `known` yet from the voxel nearest to the surface.
+    /// Reads dose, removed depth and label of the columns that were not `known` yet, from the voxel nearest to the
+    /// surface.
     fn read_channels(&mut self, grid: &BrickGrid, known: &[f64]) {
         if grid.dose.is_empty() && grid.removed.is_empty() && grid.label.is_empty() {
             return;

@@ -1,10 +1,10 @@
-//! Slopes of a sheet's surface, whole rows of it in the processor's widest lanes.
+//! Slopes of a height field's surface, whole rows in the processor's widest SIMD lanes.
 
 use std::ops::Range;
 
 use super::{NO_SURFACE, Sheet};
 
-/// Takes slopes from heights.
+/// Computes slopes from heights.
 pub(super) struct Bend<'a> {
     pub(super) sheet: &'a mut Sheet,
     pub(super) rows: Range<usize>,
@@ -37,7 +37,7 @@ impl pulp::NullaryFnOnce for Bend<'_> {
     }
 }
 
-/// Height of a neighbour, which may be beyond the window [m].
+/// Height of a neighbour [m], which may be outside the window.
 #[inline(always)]
 fn beside(sheet: &Sheet, [row, column]: [i64; 2]) -> f64 {
     let [rows, across] = sheet.window.size;
@@ -45,7 +45,7 @@ fn beside(sheet: &Sheet, [row, column]: [i64; 2]) -> f64 {
     if is_there { sheet.height[row as usize * across + column as usize] } else { NO_SURFACE }
 }
 
-/// Slopes at a column that may have no neighbours on some sides.
+/// Slopes at a column that may lack neighbours on some sides.
 #[inline(always)]
 fn bend_one(sheet: &mut Sheet, [row, column]: [usize; 2]) {
     let line = row * sheet.window.size[1] + column;
@@ -58,7 +58,7 @@ fn bend_one(sheet: &mut Sheet, [row, column]: [usize; 2]) {
     sheet.area_ratio[line] = (1.0 + u * u + v * v).sqrt();
 }
 
-/// Slopes at `count` columns from line `first` on that have neighbours on all sides.
+/// Slopes at `count` columns from `first` on that have neighbours on all sides.
 #[inline(always)]
 fn bend_row(sheet: &mut Sheet, first: usize, count: usize) {
     let across = sheet.window.size[1];
@@ -74,7 +74,7 @@ fn bend_row(sheet: &mut Sheet, first: usize, count: usize) {
     }
 }
 
-/// Slope at a column from its neighbours; a step of more than two pitches is a wall and does not count.
+/// Slope at a column from its neighbours; a step of more than two pitches is a side face and does not count.
 #[inline(always)]
 fn slope(before: f64, here: f64, after: f64, pitch: f64) -> f64 {
     let (has_before, has_after) = ((before - here).abs() < 2.0 * pitch, (after - here).abs() < 2.0 * pitch);

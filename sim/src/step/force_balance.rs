@@ -1,4 +1,4 @@
-//! Where the controller brings the tool in a step, on a sheet that is large enough for it.
+//! Solves for the tool's motion in a step, on a height field that is large enough for the contact.
 
 use shaders::constants::LOOK_AHEAD;
 
@@ -16,9 +16,9 @@ use effects::RunError;
 use robot::Controller;
 
 impl Runner<'_> {
-    /// Where the controller brings the tool in a step of `dt` [s], or of less where it moves too fast for that; `None` where
-    /// it finds nothing to press on. Returns the step's length, too [s]. Afterwards the scheme holds the step to that motion
-    /// on a sheet that is large enough.
+    /// Motion in a step of `dt` [s], or of a shorter one if the controller moves too fast for that; `None` if it finds
+    /// no surface to press on. Returns the step's length [s] as well. Afterwards the scheme holds the step with that
+    /// motion, on a height field that is large enough.
     pub(super) fn find_balance(&mut self, mut dt: f64) -> Result<(Option<Motion>, f64), RunError> {
         loop {
             let Some(motion) = self.find_motion(dt)? else { return Ok((None, dt)) };
@@ -29,7 +29,7 @@ impl Runner<'_> {
         }
     }
 
-    /// The same in a step of `dt` [s].
+    /// The same in a step of exactly `dt` [s].
     fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let mut searched = false;
         loop {
@@ -56,15 +56,15 @@ impl Runner<'_> {
     fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let begins = self.guide.controller == Controller::Ideal && !self.scheme.goes_on();
         if self.guide.is_in_air() || begins {
-            // An ideal controller is in balance from the first touch on, and on every new sheet: what it
-            // reads from the field differs a little from what was written, beside walls most of all.
+            // An ideal controller is balanced from the first touch on, and again on every new height field: the heights
+            // read from the field differ slightly from those that were written, most of all beside side faces.
             let Some(motion) = self.try_step(0.0)? else { return Ok(None) };
             self.guide.motion.travel = motion.travel;
         }
         self.try_step(dt)
     }
 
-    /// Seeks the end of a step of `dt` [s].
+    /// Solves for the motion at the end of a step of `dt` [s].
     fn try_step(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let Self { pass: Pass { tool, .. }, guide, workpiece, scheme, physics, .. } = self;
         let (start, sheet, from) = (Placement::still(tool, guide.here()), workpiece.sheet(), guide.motion);
@@ -94,8 +94,8 @@ impl Runner<'_> {
         Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
-    /// Sees to a sheet that holds the contact of a step of `dt` [s], and looks at its region of it; `far` to seek the surface
-    /// from the air.
+    /// Ensures a height field that contains the contact of a step of `dt` [s], and sets the scheme's region in it;
+    /// `far` to search for the surface from the air.
     fn choose_sheet(&mut self, dt: f64, far: bool) {
         let Self { pass: Pass { tool, .. }, guide, workpiece, .. } = &*self;
         let voxel = workpiece.grid.voxel;
@@ -111,7 +111,7 @@ impl Runner<'_> {
         self.scheme.look_at(Region::common(&self.workpiece.sheet().window, &window));
     }
 
-    /// Reads a sheet that holds the contact for the next steps; `far` to seek the surface from the air.
+    /// Reads a height field that contains the contact of the next steps; `far` to search for the surface from the air.
     fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
         let Pass { tool, settings, .. } = self.pass;
         let (start, voxel) = (self.guide.here(), self.workpiece.grid.voxel);
@@ -127,7 +127,7 @@ impl Runner<'_> {
         self.physics.lap(Phase::Read);
     }
 
-    /// The window of the next sheet, and its lowest corner [m up].
+    /// The window of the next height field, and its lowest corner [m up].
     fn next_window(&self, dt: f64, facing: Facing) -> (Window, f64) {
         let Self { pass: Pass { tool, path, .. }, guide, workpiece, pace, .. } = self;
         let voxel = workpiece.grid.voxel;

@@ -1,4 +1,4 @@
-//! Motion of the tool: its place on the path, and the controller that sets how far it is lifted from there.
+//! Motion of the tool: its position on the path, and the controller that sets its travel from there.
 
 use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
 
@@ -11,12 +11,12 @@ use crate::settings::{LONGEST_STEP, Pass, TOUCH};
 use effects::{PoseChange, RunError};
 use robot::Controller;
 
-/// Times that are one [s]: a step of what rounding leaves would make all that follow it short, too.
+/// Times closer than this are equal [s]; avoids a sliver step from rounding, which would shorten all later ones.
 const CLOCK: f64 = 1e-9;
-/// Relative difference between force and setpoint that is good enough.
+/// Relative tolerance of the force.
 const FORCE_TOLERANCE: f64 = 1e-5;
 
-/// Path and controller of a pass.
+/// Motion along the path under the controller of a pass.
 pub(super) struct Guide<'a> {
     pass: Pass<'a>,
     /// Since the pass began [s].
@@ -28,18 +28,18 @@ pub(super) struct Guide<'a> {
     pub(super) pose_change: PoseChange,
     /// Length of the next step [s], where the controller limits it.
     limit: f64,
-    /// Longest step that the effects on the controller stand [s].
+    /// Longest step that the effects on the controller allow [s].
     longest_step: f64,
-    /// Force at the end of the last step, and of the one that is tried.
+    /// Force at the end of the last step, and of the trial step.
     pub(super) end: EndForce,
     pub(super) tried: EndForce,
-    /// True if the tool touched and went as deep as it may without reaching the setpoint.
+    /// True if the tool touched and reached its search limit without reaching the setpoint.
     pub(super) is_too_soft: bool,
     /// Time at which the last step ends [s].
     pub(super) until: f64,
 }
 
-/// What a controller remembers between two stretches of a pass.
+/// State of the controller between two stretches of a pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     time: f64,
@@ -68,28 +68,28 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// What goes on in the next stretch.
+    /// State to continue from in the next stretch.
     pub(super) fn course(&self) -> Course {
         let Self { time, motion, controller, limit, end, .. } = *self;
         Course { time, motion, controller, limit, end }
     }
 
-    /// Goes on where the stretch before ended.
+    /// Continues from the end of the previous stretch.
     pub(super) fn take_up(&mut self, Course { time, motion, controller, limit, end }: Course) {
         (self.time, self.motion, self.controller, self.limit, self.end) = (time, motion, controller, limit, end);
     }
 
-    /// The tool on its path, as path and controller have it.
+    /// Pose of the tool from path and travel, without effects.
     pub(super) fn nominal(&self, time: f64, travel: f64) -> Pose {
         self.pass.path.at(time).pose(self.pass.tool).lifted(travel)
     }
 
-    /// The tool as the model's effects have it.
+    /// Pose of the tool with the model's effects.
     pub(super) fn pose(&self, time: f64, travel: f64) -> Pose {
         self.nominal(time, travel).changed(&self.pose_change)
     }
 
-    /// The same now.
+    /// The same at the current time.
     pub(super) fn here(&self) -> Pose {
         self.pose(self.time, self.motion.travel)
     }
@@ -99,7 +99,7 @@ impl<'a> Guide<'a> {
         self.pose(self.time + 0.5 * dt, 0.5 * (self.motion.travel + motion.travel))
     }
 
-    /// Time in which the tool moves by `way` [m]; 0 while it stands.
+    /// Time in which the tool moves by `way` [m]; 0 at rest.
     pub(super) fn time_for(&self, way: f64) -> f64 {
         let speed = self.pass.path.velocity(self.time).length();
         if speed > 0.0 { way / speed } else { 0.0 }
@@ -115,7 +115,7 @@ impl<'a> Guide<'a> {
         self.pass.approach - self.time > CLOCK
     }
 
-    /// Ends the approach when its time is up, or under a `force` [N].
+    /// Ends the approach when its time is over, or when the `force` [N] shows a touch.
     pub(super) fn take_over(&mut self, force: f64) {
         let Pass { settings, .. } = self.pass;
         let touches = force > TOUCH * settings.force_setpoint;
@@ -132,7 +132,7 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// Length of the next step [s], where a piece of the path allows `on_piece` [s].
+    /// Length of the next step [s]; `on_piece` [s] is the longest allowed on this segment of the path.
     pub(super) fn step_length(&self, on_piece: f64) -> f64 {
         let mut dt = on_piece.min(self.limit).min(self.longest_step).min(self.rest());
         if !self.pass.settings.quasi_static {
@@ -149,13 +149,13 @@ impl<'a> Guide<'a> {
         self.until - self.time
     }
 
-    /// A shorter step than one of `dt` [s], where an admittance moves too fast for it.
+    /// A shorter step than `dt` [s], if an admittance controller moves too fast for it.
     pub(super) fn shorter_step(&self, motion: Motion, dt: f64) -> Option<f64> {
         let period = self.period();
         (dt > period && self.is_fast(motion, dt)).then(|| (0.25 * dt).max(period))
     }
 
-    /// True if an admittance moves too fast for a step of `dt` [s] to follow it.
+    /// True if an admittance controller moves too fast for a step of `dt` [s].
     fn is_fast(&self, motion: Motion, dt: f64) -> bool {
         let Controller::Admittance { mass, .. } = self.controller else { return false };
         let setpoint = self.pass.settings.force_setpoint;
@@ -163,15 +163,16 @@ impl<'a> Guide<'a> {
         inertial_force > INERTIA * setpoint || (self.tried.force - self.end.force).abs() > FORCE_JUMP * setpoint
     }
 
-    /// Lets the next step be up to twice as long as one of `dt` [s] that is taken. Returns its length, to the end of the
-    /// pass where that is near.
+    /// Accepts a step of `dt` [s]: the next may be up to twice as long. Returns its length, extended to the end of the
+    /// pass if that is near.
     pub(super) fn take_step(&mut self, dt: f64) -> f64 {
         self.limit = 2.0 * dt;
         let rest = self.rest();
         if rest - dt < CLOCK { rest } else { dt }
     }
 
-    /// Motion in a step of `dt` [s] in which the controller does not look at the force, if it is one.
+    /// Motion in a step of `dt` [s] that does not depend on the force at its end: replay, or one sample of an
+    /// admittance controller.
     pub(super) fn blind_motion(&self, physics: &mut Physics, dt: f64) -> Result<Option<Motion>, RunError> {
         match self.controller {
             Controller::Replay => Ok(Some(Motion::default())),
@@ -184,14 +185,14 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// The balance that the controller seeks in a step of `dt` [s], Eq. (6). `is_mean` says that forces are means over it.
+    /// The balance that the controller seeks in a step of `dt` [s], Eq. (6). `is_mean`: forces are means over the step.
     pub(super) fn balance(&self, physics: &mut Physics, is_mean: bool, dt: f64) -> Result<Balance, RunError> {
         let settings = self.pass.settings;
         let (damping, mass) = match self.controller {
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Ideal | Controller::Replay => (0.0, 0.0),
         };
-        // A contact that has just begun has no stiffness from which the course of the force could be found.
+        // A contact that has just begun has no stiffness, so the decay of the force is unknown.
         let is_fitted = !is_mean && damping > 0.0 && self.end.stiffness > 0.0;
         let (start_force, weight) = if is_fitted {
             let weight = end_weight(dt * self.end.stiffness / (damping + mass / dt));
@@ -199,7 +200,8 @@ impl<'a> Guide<'a> {
         } else {
             (0.0, 1.0)
         };
-        // A force at the end is the mean over a step around the end: the mean over a step is that of its ends.
+        // A force at the end stands for the mean over an interval about the end; the mean over the step is that of its
+        // two ends.
         let begin = if is_mean { self.time } else { self.time + 0.5 * dt };
         let held = begin..begin + dt;
         Ok(Balance {
@@ -215,7 +217,7 @@ impl<'a> Guide<'a> {
         })
     }
 
-    /// Goes on to the end of a step of `dt` [s]. Returns the way of the tool [m].
+    /// Advances to the end of a step of `dt` [s]. Returns the distance moved by the tool [m].
     pub(super) fn follow(&mut self, motion: Motion, dt: f64) -> f64 {
         let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
         self.motion = motion;
@@ -230,7 +232,7 @@ impl<'a> Guide<'a> {
         self.time += dt;
     }
 
-    /// Row of the log at this time, under a force [N] and with the spindle at a speed [rad/s].
+    /// Row of the log at this time, for a force [N] and a spindle speed [rad/s].
     pub(super) fn log_row(&self, force: f64, spindle_speed: f64) -> LogRow {
         let pose = self.nominal(self.time, self.motion.travel);
         LogRow { time: self.time, position: pose.centre, approach: pose.approach, force, spindle_speed }

@@ -25,7 +25,7 @@ use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, Variable};
 
-/// A step that was taken: its motion, the mean contact over it, and the removal.
+/// An accepted step: its motion, the mean contact over it, and the removal.
 pub(crate) struct Taken {
     pub(crate) motion: Motion,
     /// Length of the step [s].
@@ -36,7 +36,7 @@ pub(crate) struct Taken {
     pub(crate) applied: Applied,
 }
 
-/// A pass under way.
+/// A pass in progress.
 pub(crate) struct Runner<'a> {
     pass: Pass<'a>,
     workpiece: Workpiece<'a>,
@@ -89,9 +89,9 @@ impl<'a> Runner<'a> {
 
     /// One step. Returns the force at its end [N].
     pub(crate) fn step(&mut self) -> Result<f64, RunError> {
-        // What formulas may read in this step, the spindle's speed, and what effects do to the tool's place.
+        // Variables of formulas in this step, the spindle speed, and the pose change by effects.
         let longest = self.enter()?;
-        // Pressure, Eq. (3), force, Eq. (4), recession, Eqs. (1) and (5), and the controller, Eq. (6), until they agree.
+        // Pressure, Eq. (3), force, Eq. (4), recession, Eqs. (1) and (5), and the controller, Eq. (6), solved together.
         let (motion, dt) = self.find_balance(longest)?;
         let Some(motion) = motion else { return self.stay_in_air(dt) };
         let middle = Placement::still(self.pass.tool, self.guide.middle(motion, dt));
@@ -99,19 +99,19 @@ impl<'a> Runner<'a> {
         self.scheme.complete(&middle, self.workpiece.sheet(), &mut self.physics, dt)?;
         // Force, Eq. (4), load and area, as means over the step.
         let (contact, end_force) = self.scheme.step().contact(self.workpiece.sheet());
-        // What each cell of the tool and each place goes through, with the states of the workpiece's cells.
+        // Sums for each tool cell and each surface point, and the states of the workpiece's cells.
         let sums = self.advance_cells(&middle, dt)?;
-        // The surface recedes, Eq. (1), and the coating takes up its dose, Eq. (2).
+        // The surface recedes, Eq. (1), and the coating gains its dose, Eq. (2).
         let applied = self.scheme.apply(self.workpiece.sheet_mut(), self.pass.settings.coating);
-        // What formulas may read of this step, and the tool's states.
+        // Variables of formulas after this step, and the tool's states.
         let taken = Taken { motion, dt, contact, end_force, applied };
         self.leave(&middle, &taken, &sums)?;
-        // The log, and now and then the field.
+        // The log and, when due, the write-back into the field.
         self.go_on(&taken);
         Ok(end_force)
     }
 
-    /// Sets what formulas may read before a step. Returns the longest step that may be taken [s].
+    /// Sets the variables of formulas before a step. Returns the longest step that may be taken [s].
     fn enter(&mut self) -> Result<f64, RunError> {
         let Self { pass, guide, physics, moment, readings, pace, .. } = self;
         guide.take_over(physics.step.get(Variable::Force));
@@ -124,8 +124,8 @@ impl<'a> Runner<'a> {
         Ok(guide.step_length(pace.longest_steps[pass.path.piece(guide.time)]))
     }
 
-    /// Sums up what each cell of the tool goes through in a step of `dt` [s], and each place; moves the states of the workpiece's
-    /// cells on.
+    /// Sums the results of a step of `dt` [s] for each tool cell and each surface point; advances the states of the
+    /// workpiece's cells.
     fn advance_cells(&mut self, middle: &Placement, dt: f64) -> Result<CellSums, RunError> {
         let Self { pass, workpiece, guide, physics, scheme, .. } = self;
         let (step, sheet) = (scheme.step(), workpiece.sheet());
@@ -143,7 +143,7 @@ impl<'a> Runner<'a> {
         Ok(sums)
     }
 
-    /// Sets what formulas may read after a step, and moves the tool's states on.
+    /// Sets the variables of formulas after a step, and advances the tool's states.
     fn leave(&mut self, middle: &Placement, taken: &Taken, sums: &CellSums) -> Result<(), RunError> {
         let extent = self.scheme.step().extent(&middle.pose, self.workpiece.sheet());
         self.workpiece.extent = extent.unwrap_or(self.workpiece.extent);
@@ -158,7 +158,7 @@ impl<'a> Runner<'a> {
         sums.advance(&ToolCells::of(self.pass.tool), model, states, (step, dt))
     }
 
-    /// Goes on to the step's end, notes it, and writes the sheet back where that is due.
+    /// Advances to the step's end, records it, and writes the height field back when due.
     fn go_on(&mut self, taken: &Taken) {
         let Taken { motion, dt, contact, end_force, applied } = taken;
         let way = self.guide.follow(*motion, *dt);
@@ -167,7 +167,7 @@ impl<'a> Runner<'a> {
         let row = self.guide.log_row(*end_force, self.physics.step.get(Variable::SpindleSpeed));
         self.record.push(row, (contact, &applied.removal), *dt, setpoint);
         self.physics.lap(Phase::Apply);
-        // Half a step of slack: steps of equal ways would end on the limit itself, on a side that rounding decides.
+        // Half a step of tolerance: steps of equal length would end on the limit itself, and rounding would decide.
         let is_far = self.workpiece.travelled + 0.5 * way > self.pace.sheet_way;
         let is_deep = applied.receded > COMMIT_RECESSION * self.workpiece.grid.voxel;
         if self.scheme.recedes() && (is_far || is_deep) {
@@ -175,7 +175,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// A step of `dt` [s] with nothing to press on. Returns the force at its end [N].
+    /// A step of `dt` [s] without a surface to press on. Returns the force at its end [N].
     fn stay_in_air(&mut self, dt: f64) -> Result<f64, RunError> {
         self.write_back();
         self.workpiece.expect_touch(self.pass.tool);
@@ -188,7 +188,7 @@ impl<'a> Runner<'a> {
         Ok(0.0)
     }
 
-    /// Writes what the sheet lost into the field and puts it aside.
+    /// Writes the recession of the height field into the distance field and discards the height field.
     pub(crate) fn write_back(&mut self) {
         if self.workpiece.write_back(!self.scheme.recedes()) {
             self.physics.lap(Phase::Write);
@@ -199,7 +199,7 @@ impl<'a> Runner<'a> {
     /// Ends the pass.
     ///
     /// # Errors
-    /// [`PassError::TooSoft`] where the tool met the setpoint nowhere.
+    /// [`PassError::TooSoft`] if the tool reached the setpoint nowhere.
     pub(crate) fn finish(mut self) -> Result<PassRecord, PassError> {
         self.write_back();
         let Self { pass, workpiece, guide, scheme, physics, mut record, .. } = self;

@@ -1,4 +1,4 @@
-//! A pass between two stretches: all of it but what it borrows.
+//! State of a pass between two stretches: all of it except what it borrows.
 
 use sdf_bake::BrickGrid;
 
@@ -19,18 +19,18 @@ pub(crate) struct Suspended {
     sheets: Sheets,
     memory: Memory,
     moment: Moment,
-    /// `None` once the field holds all: then the next stretch reads it again.
+    /// `None` once the recession is written back: then the next stretch reads the field again.
     scheme: Option<Box<dyn Scheme>>,
 }
 
 impl Suspended {
-    /// Writes back into the field what was lost. The next stretch reads the field again.
+    /// Writes the recession back into the field. The next stretch reads the field again.
     pub(crate) fn settle(&mut self, grid: &mut BrickGrid) {
         self.sheets.settle(grid);
         self.scheme = None;
     }
 
-    /// A copy, of a pass whose field holds all.
+    /// A copy of a pass whose recession is written back.
     ///
     /// # Panics
     /// Before [`Suspended::settle`].
@@ -42,13 +42,13 @@ impl Suspended {
 }
 
 impl<'a> Runner<'a> {
-    /// Ends the last step at a time [s].
+    /// Sets the time at which the last step ends [s].
     pub(crate) fn until(mut self, until: f64) -> Self {
         self.guide.until = until;
         self
     }
 
-    /// Goes on where the stretch before ended.
+    /// Continues from the end of the previous stretch.
     pub(crate) fn take_up(&mut self, kept: Suspended) {
         self.guide.take_up(kept.course);
         self.workpiece.take_up(kept.sheets);
@@ -57,7 +57,7 @@ impl<'a> Runner<'a> {
         self.scheme = kept.scheme.unwrap_or_else(|| crate::scheme::scheme_of(&self.physics));
     }
 
-    /// Ends a stretch: its record, and what goes on.
+    /// Ends a stretch: returns its record and the state to continue from.
     pub(crate) fn suspend(mut self) -> (PassRecord, Suspended) {
         let kept = Suspended {
             motion: self.guide.motion,

@@ -1,4 +1,4 @@
-//! The part under the tool: its field, and the sheet that is read from it for a stretch of the way.
+//! The part under the tool: its distance field, and the height field that is read from it for a part of the path.
 
 use sdf_bake::BrickGrid;
 
@@ -14,15 +14,15 @@ const SINK: f64 = 2.0;
 pub(super) struct Workpiece<'a> {
     pub(super) grid: &'a mut BrickGrid,
     sheet: Option<Sheet>,
-    /// The sheet before, where the surface stays as it was.
+    /// The previous height field, if the surface has not changed since.
     last_sheet: Option<Sheet>,
-    /// Surface that sheets are read for.
+    /// Extent of the contact for which height fields are read.
     pub(super) extent: Extent,
-    /// Way of the tool since the sheet was read [m].
+    /// Distance of the tool since the height field was read [m].
     pub(super) travelled: f64,
 }
 
-/// What was read of a field, between two stretches of a pass.
+/// Height fields of a part between two stretches of a pass.
 #[derive(Clone, Debug)]
 pub(super) struct Sheets {
     now: Option<Sheet>,
@@ -32,7 +32,7 @@ pub(super) struct Sheets {
 }
 
 impl Sheets {
-    /// Writes back into the field what was lost, and forgets the rest.
+    /// Writes the recession back into the field, and discards the height fields.
     pub(super) fn settle(&mut self, grid: &mut BrickGrid) {
         if let Some(mut sheet) = self.now.take() {
             commit(grid, &mut sheet);
@@ -47,40 +47,40 @@ impl<'a> Workpiece<'a> {
         Self { grid, sheet: None, last_sheet: None, extent, travelled: 0.0 }
     }
 
-    /// Takes the sheets out.
+    /// Takes the height fields out.
     pub(super) fn take_sheets(&mut self) -> Sheets {
         Sheets { now: self.sheet.take(), last: self.last_sheet.take(), extent: self.extent, travelled: self.travelled }
     }
 
-    /// Goes on with sheets of the same field.
+    /// Continues with height fields of the same distance field.
     pub(super) fn take_up(&mut self, Sheets { now, last, extent, travelled }: Sheets) {
         (self.sheet, self.last_sheet, self.extent, self.travelled) = (now, last, extent, travelled);
     }
 
-    /// The sheet that was read.
+    /// The current height field.
     pub(super) fn sheet(&self) -> &Sheet {
         self.sheet.as_ref().expect("a sheet was read")
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     pub(super) fn sheet_mut(&mut self) -> &mut Sheet {
         self.sheet.as_mut().expect("a sheet was read")
     }
 
-    /// True if the sheet has this facing and covers the window with a margin.
+    /// True if the height field has this facing and covers the window with a margin.
     pub(super) fn holds(&self, facing: Facing, window: &Window) -> bool {
         let holds = |sheet: &Sheet| sheet.facing == facing && sheet.window.holds(window, MARGIN);
         self.sheet.as_ref().is_some_and(holds)
     }
 
-    /// Reads a sheet. Columns start near a level and are followed down to a floor [m up].
+    /// Reads a height field. Columns start near a level and are followed down to a floor [m up].
     pub(super) fn read(&mut self, facing: Facing, window: Window, levels: (f64, f64)) {
         let before = self.last_sheet.take().filter(|sheet| sheet.facing == facing);
         self.sheet = Some(Sheet::read_beside(before.as_ref(), self.grid, facing, window, levels));
     }
 
-    /// Writes what a sheet lost into the field and puts it aside; kept for the next one if it `stays` as it was. Returns
-    /// whether there was one.
+    /// Writes the recession of the height field into the distance field and discards it; it is kept for reuse if the
+    /// surface `stays` the same. Returns true if there was one.
     pub(super) fn write_back(&mut self, stays: bool) -> bool {
         self.travelled = 0.0;
         let Some(mut sheet) = self.sheet.take() else { return false };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// Worked examples of a kind, as inputs and outputs; empty after saying that the shared folder is not there.
+/// Worked examples of a kind, as inputs and outputs; if the shared folder is missing, says so and returns none.
 pub(crate) fn shared_cases(kind: &str) -> Vec<(Value, Value)> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let file = std::env::var_os("ROBOFIN_SHARED").map_or_else(beside, Into::into).join("reference/contact.json");
@@ -39,7 +39,7 @@ fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0..n).map(|i| f(from + (f64::from(i) + 0.5) * step)).sum::<f64>() * step
 }
 
-/// A wheel that travels over flat work and grinds it, for parabolic depths; all lengths [m].
+/// Closed form of a wheel that travels over flat work and grinds it, for parabolic depths; all lengths [m].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Travelling {
     pub(crate) radius: f64,
@@ -95,7 +95,7 @@ fn lambert_w(x: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Dose that a flat pad which spins with ω [rad/s] and moves along +x leaves at y [m], per C p / v.
+/// Dose that a flat pad spinning with ω [rad/s] and moving along +x leaves at y [m], per C p / v.
 pub(crate) fn pad_dose(radius: f64, (spin, feed): (f64, f64), y: f64) -> f64 {
     let half = (radius * radius - y * y).sqrt();
     let a = (feed - spin * y).abs();

@@ -1,4 +1,4 @@
-//! Many trials at once, and what goes wrong with them.
+//! Many trials at once, and their failures.
 
 use std::process::Command;
 
@@ -146,7 +146,7 @@ fn a_batch_that_memory_does_not_hold_is_split_and_a_trial_that_it_does_not_hold_
         let child = with_faults(&mut child, &settings).output().unwrap();
         let said = String::from_utf8_lossy(&child.stderr);
         assert_eq!(child.status.success(), ends_well, "{said}");
-        // Drivers differ in what they set aside, so the array that finds no room does too.
+        // Drivers differ in the memory that they reserve, so the array that fails to be allocated differs, too.
         assert!(ends_well || said.contains("ran out of memory while"), "{said}");
         assert!(counted(&notes).1 > 0, "no allocation was refused with {mebibytes} MiB");
     }

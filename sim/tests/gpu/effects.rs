@@ -27,7 +27,7 @@ fn agree(model: &CompiledModel, tool: &Tool) {
     agree_beside(model, tool, &[]);
 }
 
-/// The same with quantities that were measured.
+/// The same with measured quantities.
 #[track_caller]
 fn agree_beside(model: &CompiledModel, tool: &Tool, measured: &[Measured]) {
     let Some(device) = device() else { return };
@@ -39,7 +39,7 @@ fn agree_beside(model: &CompiledModel, tool: &Tool, measured: &[Measured]) {
     let (mut part, mut tool_states) = (slab(), fresh(model));
     let on_device = gpu::run_pass(device, &mut part, pass, &mut tool_states, &mut |_| {}).unwrap();
     let apart = |at: usize| f64::from((cpu.phi[at] - part.phi_at(cpu.voxel_of(at))).abs()) / cpu.voxel;
-    // Beyond the zero set a distance is taken anew or left alone by a threshold.
+    // Beyond the zero set a threshold decides whether a distance is reinitialised or kept.
     let carries = |at: &usize| f64::from(cpu.phi[*at].abs()) < KEPT_VOXELS * cpu.voxel * (1.0 - 1e-6);
     let field = (0..cpu.phi.len()).filter(carries).map(apart).fold(0.0, f64::max);
     let impulse = on_device.impulse / record.impulse - 1.0;
@@ -113,8 +113,8 @@ fn at_null(settings: Kind, effects: &[&str]) -> CompiledModel {
 /// A pass on the device: the part and its log.
 type Ran = (BrickGrid, PassRecord);
 
-/// Equal bits on a software driver, which does each operation as it is written. A real one may contract the operations of
-/// one program and not of the other, so there the parts agree as those of device and CPU do.
+/// Equal bits on a software driver, which performs each operation as written. A real driver may contract operations of
+/// one program and not of the other, so there the parts agree within the tolerance between device and CPU.
 fn agree_with_plain(device: &Device, (part, record): &Ran, (plain, plain_record): &Ran, about: &str) {
     let bits = |part: &BrickGrid| -> Vec<u32> { part.phi.iter().chain(&part.dose).map(|v| v.to_bits()).collect() };
     let is_equal = (&part.bricks, bits(part), record) == (&plain.bricks, bits(plain), plain_record);
@@ -145,7 +145,7 @@ fn every_effect_at_its_null_value_leaves_the_same_part_on_the_device() {
     {
         let plain = run(&tool, &compiled(kind, &[]));
         assert!(plain.1.removed_volume + plain.1.coating_volume > 0.0);
-        // The one that reads the distance from an edge is refused.
+        // The effect that reads the distance from an edge is refused.
         let known = Library::builtin().effects().iter();
         let acts = known.filter(|effect| effect.acts_in(kind) && effect.name != "edge-pressure");
         let names: Vec<&str> = acts.map(|effect| effect.name.as_str()).collect();

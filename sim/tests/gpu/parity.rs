@@ -18,7 +18,7 @@ fn slab(voxel: f64, half: DVec3, top: f64) -> BrickGrid {
     BrickGrid::from_distance(-half, half, voxel, 3.0, move |p| p.z - top)
 }
 
-/// A pass on both, with what each leaves.
+/// Runs a pass on both; returns the results of each.
 struct Both {
     cpu: (BrickGrid, States, PassRecord),
     gpu: (BrickGrid, States, PassRecord),
@@ -35,7 +35,7 @@ fn run(device: &Device, part: &BrickGrid, pass: Pass) -> Both {
     Both { cpu: (cpu.0, cpu.1, record), gpu: (gpu.0, gpu.1, on_device) }
 }
 
-/// Largest difference of φ [voxels], bricks that only one of the two has included.
+/// Largest difference of φ [voxels], including bricks that only one of the two has.
 fn field_difference(a: &BrickGrid, b: &BrickGrid) -> f64 {
     let difference = |from: &BrickGrid, other: &BrickGrid| {
         let apart = |(at, phi): (usize, &f32)| f64::from((phi - other.phi_at(from.voxel_of(at))).abs()) / from.voxel;
@@ -44,7 +44,7 @@ fn field_difference(a: &BrickGrid, b: &BrickGrid) -> f64 {
     difference(a, b).max(difference(b, a))
 }
 
-/// Largest difference of the logged forces [setpoints], at equal places of the logs.
+/// Largest difference of the logged forces [setpoints], at equal positions of the logs.
 fn force_difference(both: &Both, setpoint: f64) -> f64 {
     let (a, b) = (&both.cpu.2.log, &both.gpu.2.log);
     assert_eq!(a.len(), b.len(), "logs of different length");
@@ -100,7 +100,7 @@ fn a_ball_tip_with_replay_and_an_admittance_do_as_on_the_cpu() {
 fn a_narrow_strip_above_a_threshold_recedes_as_on_the_cpu() {
     let Some(device) = device() else { return };
     let part = slab(0.5e-3, DVec3::new(0.010, 0.006, 0.003), 0.13e-3);
-    // p_c/K is 20 µm: above it the wheel is 2 mm long, four squares.
+    // p_c/K is 20 µm: above it the wheel's contact is 2 mm long, four cells.
     let (tool, model) = (Tool::from(Wheel::cylinder(0.02, 0.006)), threshold(2e5));
     let path = Path::along(&line(-3e-3, 3e-3, 0.085e-3), 5e-3).unwrap();
     let settings = PassSettings { controller: Controller::Replay, ..PassSettings::default() };

@@ -1,10 +1,10 @@
-//! Quantities that a trial's files give along its passes, as formulas read them, and why a model's states lack them.
+//! Measured quantities along a trial's passes for formulas, and the reasons why states of a model lack theirs.
 
 use effects::{CompiledModel, Effect, State};
 use sim::Measured;
 use trials::trial::{Pass, Place, TRIAL_FILE, Trial, TrialColumn, TrialError};
 
-/// All quantities of a trial along one of its passes in which they have a value.
+/// All quantities of a trial that have a value along one of its passes.
 pub(super) fn measured(trial: &Trial, pass: &Pass) -> Vec<Measured> {
     let rows = &pass.log.rows;
     let start = rows.first().map_or(0.0, |row| row.time);
@@ -18,21 +18,21 @@ pub(super) fn measured(trial: &Trial, pass: &Pass) -> Vec<Measured> {
     trial.columns.iter().map(along).filter(|measured| !measured.values.is_empty()).collect()
 }
 
-/// The first state of an effect that a column must measure and none of a trial does, with the reason.
+/// The first state of an effect that needs a measured column which the trial lacks, with the reason.
 pub fn lacking<'e>(trial: &Trial, effect: &'e Effect) -> Option<(&'e State, TrialError)> {
     let held = effect.states.iter().filter(|state| state.is_held());
     held.filter_map(|state| Some((state, unread(trial, effect, state)?))).next()
 }
 
-/// Checks that a trial gives all that a model's states read.
+/// Checks that a trial has all columns that a model's states read.
 ///
 /// # Errors
-/// [`TrialError`] with the place, what was found and what would be accepted.
+/// [`TrialError`] with the place, the value found and the values accepted.
 pub(super) fn check(trial: &Trial, model: &CompiledModel) -> Result<(), Box<TrialError>> {
     model.effects().find_map(|effect| lacking(trial, effect)).map_or(Ok(()), |(_, error)| Err(Box::new(error)))
 }
 
-/// Why a state cannot be read from a trial.
+/// Reason why a state cannot be read from a trial.
 fn unread(trial: &Trial, effect: &Effect, state: &State) -> Option<TrialError> {
     let (name, reader) = (&state.name, format!("{}.{}", effect.name, state.name));
     let Some(column) = trial.columns.iter().find(|column| column.name == *name) else {

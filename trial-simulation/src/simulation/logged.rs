@@ -1,4 +1,4 @@
-//! A logged pass as the path that a simulation follows: where the controller took over, and where the tool was lifted.
+//! A logged pass as a path for the simulation, with the times of the controller's takeover and of the lift-off.
 
 use glam::DVec3;
 use robot::{Controller, Tool};
@@ -6,24 +6,24 @@ use sim::settings::TOUCH;
 use sim::{ForceCourse, Path, PathError, PathSample};
 use trials::trial::{Contact, ForceInput, HeldTool, Log, Pass, ToolPath, ToolPose, Trial};
 
-/// Rows of a log from which the speed of descent is taken: so many that the jitter of one counts little.
+/// Number of log rows from which the speed of descent is computed, enough to average out jitter.
 const DESCENT_ROWS: usize = 8;
-/// Share of the setpoint below which no logged force leads the controller: less is the sensor's noise.
+/// Share of the setpoint to which lower logged forces are raised: smaller values are the sensor's noise.
 const LEAST_FORCE: f64 = 1e-3;
 
-/// By how many rows of its log a pass begins and ends later than assumed: each end lies between two rows.
+/// Shifts of a pass's beginning and end relative to the assumed ones [rows of the log]; each lies between two rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassEnds {
-    /// The controller takes over.
+    /// Shift of the controller's takeover.
     pub taken_over: f64,
-    /// The tool is lifted off.
+    /// Shift of the lift-off.
     pub lifted: f64,
 }
 
-/// A pass as its log states it: poses, the time at which the controller had taken over, and the pose at its end.
+/// A logged pass: poses, the time of the controller's takeover, and the pose at its end.
 pub(super) struct LoggedPass {
     poses: ToolPath,
-    /// When the controller had taken over [s].
+    /// Time of the controller's takeover [s].
     pub(super) taken_over: f64,
     end: Option<ToolPose>,
 }
@@ -39,8 +39,8 @@ impl LoggedPass {
         Self { poses, taken_over, end }
     }
 
-    /// The logged path up to the end of contact. A controller finds its own height from when it took over: its path stays
-    /// at the height to which the tool had come down.
+    /// The logged path up to the end of contact. A controller finds its own height from its takeover on: from there its
+    /// path stays at the height to which the tool had descended.
     pub(super) fn path(&self, tool: &Tool, controller: Controller) -> Result<Path, PathError> {
         let touch = come_down(&self.poses, self.taken_over);
         let contact = contact(&self.poses);
@@ -58,8 +58,7 @@ impl LoggedPass {
     }
 }
 
-/// The force that leads the controller along a pass where the trial says that the log does; at least [`LEAST_FORCE`] of
-/// the setpoint.
+/// The logged force as the controller's setpoint, if the trial says so; at least [`LEAST_FORCE`] of the setpoint.
 pub(super) fn force(pass: &Pass, trial: &Trial) -> Option<ForceCourse> {
     let start = pass.log.rows.first()?.time;
     let rows = pass.log.rows.iter().map(|row| (row.time - start, row.force));
@@ -79,8 +78,8 @@ fn row_period(logged: &ToolPath) -> f64 {
     }
 }
 
-/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the pass after it.
-/// The pause between two logs counts as 0 where the clock of the second starts again.
+/// Time [s] from the end of a pass's path, `simulated` [s] after its first row, to the first row of the next pass. The
+/// pause between two logs is 0 if the clock of the second restarts.
 pub(super) fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
     let times =
         |pass: &Pass| pass.log.rows.first().zip(pass.log.rows.last()).map(|(first, last)| (first.time, last.time));
@@ -88,16 +87,16 @@ pub(super) fn rest(pass: &Pass, simulated: f64, after: &Pass) -> f64 {
     (next - last).max(0.0) + (last - first - simulated).max(0.0)
 }
 
-/// When the controller had taken over [s]: the first row after the touch whose force exceeds [`TOUCH`] of the setpoint. Until
-/// then the robot comes down; a start some milliseconds early leaves the tool too low for a good part of the way.
+/// Time of the controller's takeover [s]: the first row after the touch whose force exceeds [`TOUCH`] of the setpoint.
+/// Until then the robot descends; a start some milliseconds too early leaves the tool too low over much of the path.
 fn handed_over(logged: &ToolPath, force_setpoint: f64) -> f64 {
     let Some(contact) = logged.contact else { return 0.0 };
     let presses = |pose: &&ToolPose| pose.time >= contact.start && pose.force > TOUCH * force_setpoint;
     logged.poses.iter().find(presses).map_or(contact.start, |pose| pose.time)
 }
 
-/// Where a tool that comes down as the last rows before `time` [s] say would be then [m]: of the row at that time, the
-/// controller knows more than of the way down.
+/// Position [m] that a descending tool would have at `time` [s], extrapolated from the last rows before it. The row at
+/// that time already contains motion by the controller.
 fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
     let end = logged.poses.partition_point(|pose| pose.time < time);
     let rows = &logged.poses[end.saturating_sub(DESCENT_ROWS)..end];
@@ -110,10 +109,10 @@ fn come_down(logged: &ToolPath, time: f64) -> DVec3 {
     }
 }
 
-/// The pose in which the tool was lifted off, after the last row in contact: where the line begins on which the rows after it
-/// rise, or else in the middle between two rows. `None` where no two rows are in contact.
+/// The pose at lift-off, after the last row in contact: the point at which the line through the following, rising rows
+/// begins, otherwise the middle between two rows. `None` if fewer than two rows are in contact.
 ///
-/// - `later`: by how many rows it was lifted later than that, and the time between two rows [s]
+/// - `later`: delay of the lift-off relative to that in rows, and the time between two rows [s]
 fn lifted_off(logged: &ToolPath, contact: Contact, (later, row): (f64, f64)) -> Option<ToolPose> {
     let off = logged.poses.partition_point(|pose| pose.time <= contact.end);
     let [before, last] = logged.poses.get(off.checked_sub(2)?..off)? else { return None };
@@ -126,7 +125,8 @@ fn lifted_off(logged: &ToolPath, contact: Contact, (later, row): (f64, f64)) -> 
     Some(ToolPose { time, centre: last.centre + along * (time - last.time), ..*last })
 }
 
-/// When a tool began to rise [s], between the last row in contact and the first off the part; `None` if it did not.
+/// Time at which a tool began to rise [s], between the last row in contact and the first off the part; `None` if it did
+/// not.
 fn rise_began(last: &ToolPose, [off, after]: [&ToolPose; 2]) -> Option<f64> {
     let speed = (after.centre - off.centre).dot(last.approach) / (after.time - off.time);
     let rise = (off.centre - last.centre).dot(last.approach);
@@ -137,7 +137,7 @@ fn rise_began(last: &ToolPose, [off, after]: [&ToolPose; 2]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A tool that is fed along x at 10 mm/s, a row each 10 ms, and pressed on in the first `pressed` rows; then it rises at
+    /// A tool fed along x at 10 mm/s, with a row every 10 ms, in contact in the first `pressed` rows; then it rises at
     /// 5 mm/s from `lifted` [s] on.
     fn logged(rows: usize, pressed: usize, lifted: f64) -> LoggedPass {
         let pose = |i: usize| {

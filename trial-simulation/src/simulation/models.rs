@@ -1,16 +1,16 @@
-//! One trial under many models at once.
+//! Simulation of one trial under many models at once.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
 
 use super::{SimulatedPass, Simulation, SimulationError, TrialState, columns};
 
-/// A trial under one model.
+/// Result of a trial under one model.
 #[derive(Debug, Default)]
 pub struct ModelRun {
-    /// The passes that were done.
+    /// The completed passes.
     pub passes: Vec<SimulatedPass>,
-    /// Why it ended before its last pass.
+    /// The error that ended it before its last pass.
     pub stopped: Option<SimulationError>,
 }
 
@@ -25,7 +25,8 @@ impl ModelRun {
 
 impl Simulation<'_> {
     /// Simulates the trial under many models at once, each from the beginning with a fresh tool: on the device in one
-    /// submission, else on all threads. A run that fails says why, keeps its passes before and does not stop the others.
+    /// submission, otherwise on all threads. A run that fails returns its error and its earlier passes, and does not
+    /// stop the others.
     pub fn run_models(&self, models: &[CompiledModel]) -> Vec<ModelRun> {
         match self.device {
             Some(device) => self.run_on(device, models),
@@ -66,7 +67,7 @@ impl Simulation<'_> {
         runs
     }
 
-    /// One pass of the runs that have not failed.
+    /// Runs one pass of the runs that have not failed.
     fn run_alive(
         &self,
         device: &shaders::Device,
@@ -75,7 +76,7 @@ impl Simulation<'_> {
         (models, states): (&[CompiledModel], &[TrialState]),
     ) -> Vec<Result<sim::gpu::Outcome, sim::gpu::GpuError>> {
         let trial = |&n: &usize| {
-            // Before the first pass all are the same part, which the device then holds once.
+            // Before the first pass all runs have the same part, which the device then stores once.
             let part = if pass == 1 { &self.part } else { &states[n].part };
             sim::gpu::Trial { part, pass: self.next_pass(&models[n], &states[n]), tool: &states[n].tool }
         };

@@ -1,4 +1,4 @@
-//! The files of a folder, each recognised by its content.
+//! Recognition of a folder's files by their content.
 
 use std::path::{Path, PathBuf};
 
@@ -10,9 +10,9 @@ use instruments::{Misread, Place, log};
 
 use crate::trial::{TRIAL_FILE, TrialError};
 
-/// Values of a mask's pixels: coated and exposed.
+/// Pixel values of a mask: coated and exposed.
 const MASK_VALUES: [f64; 2] = [0.0, 1.0];
-/// Files that are looked at.
+/// Maximum number of files that are read.
 const MOST_FILES: usize = 500;
 
 /// A file with its kind.
@@ -26,21 +26,21 @@ pub(super) struct Entry {
 pub(super) enum Kind {
     /// A height map.
     Map(Surface),
-    /// A map of nothing but 0 and 1.
+    /// A map with the values 0 and 1 only.
     Mask(Surface),
     /// A log, with guesses for its channels.
     Log(Channels, Guesses),
-    /// Nothing that a trial has, and why.
+    /// A file that no trial uses, and the reason.
     Other(String),
 }
 
-/// All files of a folder, in the order in which people count.
+/// All files of a folder in natural order.
 pub(super) struct Found {
     pub(super) entries: Vec<Entry>,
 }
 
 impl Found {
-    /// Looks at all files of a folder, not at those below.
+    /// Reads all files of a folder, without its subfolders.
     pub(super) fn look(folder: &Path) -> Result<Self, TrialError> {
         let unreadable = |source| TrialError::Unreadable { file: folder.to_owned(), source };
         let mut places: Vec<PathBuf> = Vec::new();
@@ -61,7 +61,7 @@ impl Found {
         Ok(Self { entries: places.iter().map(|place| Entry { name: name_of(place), kind: Kind::of(place) }).collect() })
     }
 
-    /// Refuses a folder without a scan or without a log.
+    /// Refuses a folder that lacks a scan or a log.
     pub(super) fn check(&self, folder: &Path) -> Result<(), TrialError> {
         let missing = match (self.maps().next(), self.logs().next()) {
             (None, _) => "scan",
@@ -119,7 +119,7 @@ impl Kind {
         }
     }
 
-    /// For people.
+    /// Description for messages.
     fn words(&self) -> String {
         match self {
             Self::Map(surface) => format!("height map ({}), {}", surface.format, surface.summary()),
@@ -132,7 +132,7 @@ impl Kind {
     }
 }
 
-/// A file as a log: one with a clock, a place and a force.
+/// Reads a file as a log if it has a time, a position and a force.
 fn as_log(place: &Path, bytes: &[u8]) -> Option<Kind> {
     let channels = log::read(place, bytes).ok()?;
     let guesses = log::guess(&channels);
@@ -141,7 +141,7 @@ fn as_log(place: &Path, bytes: &[u8]) -> Option<Kind> {
     is_log.then_some(Kind::Log(channels, guesses))
 }
 
-/// True of a map of nothing but 0 and 1, both of which there are. Numbers without a unit were taken as millimetres.
+/// True for a map with the values 0 and 1 only, both present. Numbers without a unit were read as millimetres.
 fn is_mask(surface: &Surface) -> bool {
     let known = || surface.heights.iter().filter(|height| height.is_finite()).map(|height| (height * 1e3).round());
     let exact = surface.heights.iter().all(|height| height.is_nan() || MASK_VALUES.contains(&(height * 1e3)));
@@ -152,7 +152,7 @@ fn name_of(place: &Path) -> String {
     place.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name cut into words and numbers, so that 10 comes after 9.
+/// Key for natural sorting: a name split into words and numbers, so that 10 comes after 9.
 fn natural(name: &str) -> Vec<(u64, String)> {
     let mut parts = Vec::new();
     let mut rest = name;
@@ -163,7 +163,7 @@ fn natural(name: &str) -> Vec<(u64, String)> {
         parts.push((value, rest[..word].to_lowercase()));
         rest = &rest[word + number..];
     }
-    // The word decides before the number behind it.
+    // The word is compared before the number that follows it.
     parts.into_iter().flat_map(|(value, word)| [(0, word), (value, String::new())]).collect()
 }
 

@@ -1,10 +1,10 @@
-//! A first `trial.toml` for a folder with scans and logs: what can be seen in the files is filled in, each guess with its
-//! reason, and what cannot be seen is named.
+//! Draft of a `trial.toml` for a folder with scans and logs. Values that the files reveal are filled in, each with its
+//! reason; the others are listed as open.
 //!
-//! 1. `files` looks at every file: a height map, a mask, a log, or neither.
-//! 2. `scans` says which map was taken when, by names and by what was removed.
-//! 3. `place` lays the path on the scans: where the first pixel lies, and what the tool may be.
-//! 4. `text` writes it down.
+//! 1. `files` classifies every file: height map, mask, log, or other.
+//! 2. `scans` orders the maps in time, by their names and by the removal between them.
+//! 3. `place` registers the path with the scans: the position of the first pixel and the tool's dimensions.
+//! 4. `text` writes the file.
 
 mod files;
 mod place;
@@ -18,21 +18,21 @@ use files::Found;
 use place::Placing;
 use scans::Scans;
 
-/// A `trial.toml` that was guessed.
+/// A draft `trial.toml`.
 #[derive(Clone, Debug)]
 pub struct Guess {
     /// Its text.
     pub text: String,
     /// A description of each file.
     pub seen: Vec<String>,
-    /// Keys that only a person can fill in.
+    /// Keys that a person must fill in.
     pub open: Vec<String>,
 }
 
-/// Looks at a folder.
+/// Drafts a `trial.toml` for a folder.
 ///
 /// # Errors
-/// [`TrialError`] where the folder cannot be read, or holds no scan or no log.
+/// [`TrialError`] if the folder cannot be read, or holds no scan or no log.
 pub fn guess(folder: &Path) -> Result<Guess, TrialError> {
     let found = Found::look(folder)?;
     found.check(folder)?;

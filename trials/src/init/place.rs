@@ -1,5 +1,5 @@
-//! The path of the log laid on the scans: what each pass was, where the first pixel lies, how high the log is above the
-//! surface, and how wide the tool ground.
+//! Registration of the log's path with the scans: settings of each pass, position of the first pixel, height of the log
+//! above the surface, and width of the ground track.
 
 use glam::{DVec2, DVec3};
 use instruments::log::guess::Role;
@@ -11,43 +11,44 @@ use super::scans::Scans;
 use crate::column_unit::ColumnUnit;
 use crate::measure::median;
 
-/// Rows of a log that are looked at.
+/// Maximum number of log rows that are read.
 const MOST_ROWS: usize = 20_000;
-/// Pixels at a map's border in which a track does not end but leaves the map.
+/// Distance from a map's border [pixels] within which a track counts as leaving the map.
 const AT_BORDER: f64 = 3.0;
-/// Shares of the removed pixels, sorted across the path, between which the track lies: spikes are left out.
+/// Quantiles of the removed pixels, sorted across the path, between which the track lies; spikes are left out.
 const TRACK: [f64; 2] = [0.005, 0.995];
 
-/// Settings of a pass by its log.
+/// Settings of a pass, estimated from its log.
 pub(super) struct PassGuess {
-    /// Median force while the tool pressed [N].
+    /// Median force in contact [N].
     pub(super) force: f64,
-    /// Median speed while it moved [m/s].
+    /// Median speed in motion [m/s].
     pub(super) feed: f64,
-    /// Median spindle speed [rad/s]; `None` where the log has none.
+    /// Median spindle speed [rad/s]; `None` if the log has none.
     pub(super) spindle: Option<f64>,
-    /// From the first to the last row, unit.
+    /// Direction from the first to the last row, unit.
     pub(super) direction: DVec3,
-    /// Places while the tool pressed [m].
+    /// Positions in contact [m].
     pressed: Vec<DVec3>,
 }
 
-/// The log in the frame of the scans.
+/// The logs in the frame of the scans.
 pub(super) struct Placing {
     /// One for each log.
     pub(super) passes: Vec<PassGuess>,
-    /// x, y of the first pixel of the scan before with which the track lies under the path [m]; `None` where nothing tells.
+    /// x, y of the first pixel of the scan before that puts the track under the path [m]; `None` if it cannot be
+    /// determined.
     pub(super) origin: Option<DVec2>,
-    /// True if nothing tells where along the path the scan begins.
+    /// True if the position of the scan along the path cannot be determined.
     pub(super) slides_along: bool,
-    /// Median height of the logged place above what the last pass left, while the tool pressed [m].
+    /// Median height of the logged position above the surface that the last pass left, in contact [m].
     pub(super) gap: Option<f64>,
     /// Width of the track across the path [m].
     pub(super) width: Option<f64>,
 }
 
 impl Placing {
-    /// Lays the logs on the scan before.
+    /// Registers the logs with the scan before.
     pub(super) fn of(found: &Found, scans: &Scans) -> Self {
         let passes: Vec<PassGuess> =
             found.logs().filter_map(|(_, channels, guesses)| PassGuess::of(channels, guesses)).collect();
@@ -58,7 +59,7 @@ impl Placing {
         let track: Vec<DVec2> = scans.removed.iter().map(|(pixel, _)| *pixel * pitch).collect();
         let Some((origin, slides_along, width)) = laid(&track, pass, before, pitch) else { return placing };
         let own = before.origin.unwrap_or(origin);
-        // Nothing but the frame of the scan itself tells how high its surface is there.
+        // The height of the surface there is known only in the scan's own frame.
         let lies_on = if own.distance(origin) < width { own } else { origin };
         let gap = gap(pass, &after_last(before, scans), lies_on, pitch);
         (placing.origin, placing.slides_along) = (Some(origin), slides_along);
@@ -97,7 +98,7 @@ impl PassGuess {
     }
 }
 
-/// SI values of the best candidate of a role, each `step`-th; `None` without one.
+/// SI values of the best candidate for a role, every `step`-th; `None` without a candidate.
 fn values(channels: &Channels, guesses: &Guesses, (role, step): (Role, usize)) -> Option<Vec<f64>> {
     let candidate = guesses.best(role)?;
     let unit = match role {
@@ -108,17 +109,17 @@ fn values(channels: &Channels, guesses: &Guesses, (role, step): (Role, usize)) -
     Some(channels.values[candidate.channel].iter().step_by(step).map(|value| unit.to_si(sign * value)).collect())
 }
 
-/// The 95th percentile; infinite of nothing.
+/// The 95th percentile; infinite for no values.
 fn high(values: &[f64]) -> f64 {
     let mut known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     known.sort_by(f64::total_cmp);
     known.get(known.len() * 19 / 20).copied().unwrap_or(f64::INFINITY)
 }
 
-/// Where the first pixel lies so that the track is under the path [m], whether it could slide along the path, and the track's
-/// width [m].
+/// Position of the first pixel that puts the track under the path, true if it is undetermined along the path, and the
+/// track's width [m].
 ///
-/// - `track`: places from the first pixel on [m]
+/// - `track`: positions relative to the first pixel [m]
 fn laid(track: &[DVec2], pass: &PassGuess, before: &Surface, pitch: DVec2) -> Option<(DVec2, bool, f64)> {
     let along = pass.direction.truncate();
     let across = along.perp();
@@ -141,7 +142,7 @@ fn laid(track: &[DVec2], pass: &PassGuess, before: &Surface, pitch: DVec2) -> Op
     Some((origin, ends == [false, false], track_across[1] - track_across[0]))
 }
 
-/// Lowest and highest of some values without the outermost of them; `None` of nothing.
+/// Lowest and highest of some values without the outermost ones; `None` for no values.
 fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -162,7 +163,7 @@ fn after_last(before: &Surface, scans: &Scans) -> Surface {
     after
 }
 
-/// Median height of the pressed places above the map [m].
+/// Median height of the positions in contact above the map [m].
 fn gap(pass: &PassGuess, before: &Surface, origin: DVec2, pitch: DVec2) -> Option<f64> {
     let height = |place: &DVec3| {
         let at = ((place.truncate() - origin) / pitch).round();

@@ -1,4 +1,4 @@
-//! Which map was taken when: by what was removed between them, and by their names.
+//! Order of the maps in time, from the removal between them and from their names.
 
 use effects::Process;
 use glam::DVec2;
@@ -8,50 +8,50 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::files::Found;
 use crate::measure::{Freedom, centre_and_sigma, register};
 
-/// Words of names by which a map is the one before the first pass.
+/// Words in the name of a map taken before the first pass.
 const BEFORE: [&str; 10] =
     ["before", "vor", "pre", "raw", "roh", "initial", "start", "untreated", "as_welded", "avant"];
-/// Words of names by which a map is a repeated scan.
+/// Words in the name of a repeated scan.
 const REPEAT: [&str; 7] = ["repeat", "again", "wdh", "wiederhol", "second", "rescan", "_rep"];
-/// Words of names by which a mask is one of materials.
+/// Words in the name of a material map.
 const LABELS: [&str; 2] = ["material", "label"];
-/// Standard deviations beyond which a difference of two maps is removal.
+/// Difference of two maps that counts as removal [standard deviations].
 const REMOVED_SIGMAS: f64 = 5.0;
-/// Share of pixels beyond them that noise and spikes alone make.
+/// Share of pixels beyond that limit that noise and spikes alone produce.
 const SPIKES: f64 = 5e-3;
-/// Ratio of lost to gained height from which one map was taken after the other.
+/// Ratio of lost to gained height above which one map is later than the other.
 const ONE_WAY: f64 = 4.0;
 
-/// The maps of a trial by when they were taken; names of files.
+/// The maps of a trial by their time of acquisition; names of files.
 pub(super) struct Scans<'a> {
-    /// Grinding, or sanding where masks were taken after the passes.
+    /// Process: grinding, or sanding if masks were taken after the passes.
     pub(super) process: Process,
     pub(super) before: &'a str,
     pub(super) repeats: Vec<&'a str>,
     /// Labels of the material.
     pub(super) material: Option<&'a str>,
-    /// One for each pass: heights, or masks when sanding.
+    /// One for each pass: heights, or masks for sanding.
     pub(super) after: Vec<&'a str>,
-    /// Why.
+    /// Reason for the order.
     pub(super) reason: &'static str,
-    /// Where something was removed between the scan before and the last one [pixels of the map], with the depth [m].
+    /// Positions of removal between the scan before and the last one [pixels of the map], with the depth [m].
     pub(super) removed: Vec<(DVec2, f64)>,
 }
 
 /// Order of two maps in time.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Order {
-    /// The second was taken after something was removed from the first.
+    /// The second map is later: material of the first is missing in it.
     Later,
-    /// The other way round.
+    /// The second map is earlier.
     Earlier,
-    /// Both show one surface.
+    /// Both show the same surface.
     Same,
     /// They cannot be compared.
     Unknown,
 }
 
-/// All height maps of a folder, and the order of each two.
+/// All height maps of a folder, and the pairwise order.
 struct Maps<'a> {
     maps: Vec<(&'a str, HeightMap)>,
     orders: Vec<Vec<Order>>,
@@ -66,7 +66,7 @@ impl<'a> Scans<'a> {
         let sorted = maps.sorted();
         let (first, later) = (sorted[0], &sorted[1..]);
         let (repeats, after): (Vec<usize>, Vec<usize>) = later.iter().partition(|&&k| maps.is_repeat(first, k));
-        // Each pass has a scan: heights when grinding, and otherwise masks.
+        // Each pass has a scan: heights for grinding, otherwise masks.
         let sands = after.len() < found.logs().count() && !masks.is_empty();
         let map = |k: usize| &maps.maps[k].1;
         let names = |of: Vec<usize>| of.into_iter().map(|k| maps.maps[k].0).collect::<Vec<_>>();
@@ -89,12 +89,12 @@ impl<'a> Maps<'a> {
         Self { maps, orders }
     }
 
-    /// True if something was removed between two of them.
+    /// True if there was removal between any two of them.
     fn are_told(&self) -> bool {
         self.orders.iter().flatten().any(|order| matches!(order, Order::Later | Order::Earlier))
     }
 
-    /// Indices in order of time: a map is as late as many others were taken before it, and then by its name.
+    /// Indices in order of time: by the number of maps taken before each, then by name.
     fn sorted(&self) -> Vec<usize> {
         let mut sorted: Vec<usize> = (0..self.maps.len()).collect();
         let rank = |k: usize| (0..self.maps.len()).filter(|&other| self.orders[other][k] == Order::Later).count();
@@ -107,7 +107,7 @@ impl<'a> Maps<'a> {
         sorted
     }
 
-    /// True if a map shows the surface of the first again, or its name says so.
+    /// True if a map shows the surface of the first again, or if its name says so.
     fn is_repeat(&self, first: usize, k: usize) -> bool {
         self.orders[first][k] == Order::Same || self.is_named(k, &REPEAT)
     }
@@ -118,14 +118,14 @@ impl<'a> Maps<'a> {
     }
 }
 
-/// A surface in pixels: lengths across do not matter here.
+/// A surface as a map in pixels; lateral lengths do not matter here.
 fn map_of(surface: &Surface) -> HeightMap {
     let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 1.0, nx: surface.nx, ny: surface.ny };
     HeightMap { pixels, heights: surface.heights.clone() }
 }
 
-/// The height of the second map above the first after registration, with the spread of their noise [m]; `None` where they
-/// cannot be laid on each other.
+/// Height of the second map above the first after registration, and the spread of their noise [m]; `None` if they
+/// cannot be registered.
 fn difference(one: &HeightMap, other: &HeightMap) -> Option<(Vec<f64>, f64)> {
     let registration = register(other, one, Freedom::Plane, |_| true).ok()?;
     let left = registration.left(other, one);
@@ -153,7 +153,7 @@ fn order(one: &HeightMap, other: &HeightMap) -> Order {
     }
 }
 
-/// Places [pixels] where the second map lies below the first, with the depth [m].
+/// Positions [pixels] at which the second map lies below the first, with the depth [m].
 fn removal(one: &HeightMap, other: &HeightMap) -> Vec<(DVec2, f64)> {
     let Some((left, sigma)) = difference(one, other) else { return Vec::new() };
     let nx = one.pixels.nx;

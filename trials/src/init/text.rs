@@ -1,4 +1,4 @@
-//! The text of a guessed `trial.toml`.
+//! The text of a draft `trial.toml`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,16 +12,16 @@ use super::place::{PassGuess, Placing};
 use super::scans::Scans;
 use crate::trial::{RPM, TRIAL_FORMAT};
 
-/// Heights of the log above the surface that a wheel's radius may be [m].
+/// Heights of the log above the surface that count as a wheel's radius [m].
 const RADII: [f64; 2] = [5e-3, 0.5];
-/// Height of the log above the surface up to which the log gives the tool's face [m].
+/// Height of the log above the surface up to which the log gives the position of the tool's face [m].
 const ON_FACE: f64 = 2e-3;
-/// Distance between the frames of scan and log up to which they are one [m].
+/// Distance between the frames of scan and log up to which they count as one [m].
 const SAME_FRAME: f64 = 1e-3;
-/// Slope of a direction up to which it is that of an axis.
+/// Slope of a direction up to which it counts as parallel to an axis.
 const NEAR_AXIS: f64 = 0.05;
 
-/// Writes a manifest line by line, and remembers what is left open.
+/// Writes a manifest line by line, and records the open keys.
 pub(super) struct Writer<'a> {
     pub(super) found: &'a Found,
     pub(super) scans: &'a Scans<'a>,
@@ -76,7 +76,7 @@ impl Writer<'_> {
         text
     }
 
-    /// A length of the tool, guessed or to be filled in.
+    /// A length of the tool, estimated or left open.
     fn length(&mut self, text: &mut String, key: &str, value: Option<f64>, why: &str) {
         let _ = match value {
             Some(value) => writeln!(text, "{key} = {value:.2}   # guessed: {why}; say the true one"),
@@ -153,7 +153,7 @@ impl Writer<'_> {
         text
     }
 
-    /// The place of the log's zero where log and scan have frames of their own.
+    /// Position of the log's origin, if log and scan have different frames.
     fn offset(&self) -> String {
         let before = self.found.maps().find(|(name, _)| *name == self.scans.before);
         let own = before.and_then(|(_, surface)| surface.origin);
@@ -218,7 +218,7 @@ fn settings(pass: &PassGuess) -> String {
     text
 }
 
-/// A direction, along an axis where it is nearly so.
+/// A direction, snapped to an axis if it is nearly parallel.
 fn rounded(direction: DVec3) -> DVec3 {
     let clean = DVec3::from_array(direction.to_array().map(|part| if part.abs() < NEAR_AXIS { 0.0 } else { part }));
     let unit = clean.normalize_or(DVec3::X);

@@ -1,8 +1,8 @@
-//! What a measurement is worth: maps laid on each other, the instrument's noise, and what is left between two maps.
+//! Registration of maps, noise of the instrument, and residuals between two maps.
 //!
-//! [`untouched`] finds the pixels that a tool left alone; on those, [`register`] lays a scan on a reference, because
-//! every scan has its own offset and tilt; [`noise_floor`] tells from a repeated scan how well any model can agree;
-//! [`residual`] says how well one does. Missing pixels are never filled here.
+//! [`untouched`] finds the pixels that a tool did not touch. On those, [`register`] fits a scan to a reference, because
+//! every scan has its own offset and tilt. [`noise_floor`] estimates from a repeated scan how well any model can agree;
+//! [`residual`] measures how well one does. Missing pixels are never filled here.
 
 mod noise;
 mod plateau;
@@ -21,18 +21,18 @@ pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 pub use scan_noise::{NoiseSource, ScanNoise, ScanNoiseError, roughness};
 pub use untouched::{CLEARANCE, untouched};
 
-/// What is left between two maps over a mask.
+/// Residual between two maps over a mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Root mean square [m]; 0 without pixels.
     pub rms: f64,
     /// Mean [m].
     pub mean: f64,
-    /// Pixels that both maps have and the mask takes.
+    /// Number of pixels that both maps have and the mask selects.
     pub pixels: usize,
 }
 
-/// `measured - reference` over the pixels that `takes` says; both maps on the same pixels.
+/// `measured - reference` over the pixels that `takes` selects; both maps have the same pixels.
 pub fn residual(measured: &HeightMap, reference: &HeightMap, takes: impl Fn(usize) -> bool) -> Residual {
     let pairs = measured.heights.iter().zip(&reference.heights).enumerate();
     let kept = pairs.filter(|(at, (a, b))| takes(*at) && a.is_finite() && b.is_finite()).map(|(_, (a, b))| a - b);
@@ -41,7 +41,7 @@ pub fn residual(measured: &HeightMap, reference: &HeightMap, takes: impl Fn(usiz
     Residual { rms: (squares / count).sqrt(), mean: sum / count, pixels }
 }
 
-/// The map without its spikes, which become missing pixels, and their indices.
+/// The map with its spikes replaced by missing pixels, and the indices of the spikes.
 pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
     let spikes = map.spikes();
     let mut clean = map.clone();
@@ -51,7 +51,7 @@ pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
     (clean, spikes)
 }
 
-/// A map without the spikes that a steep rim hides until a second scan of the same surface is taken off it.
+/// A map without the spikes that are hidden on a steep rim and show only in the difference from a second scan.
 pub fn unlike_repeat(map: &HeightMap, repeat: &HeightMap) -> HeightMap {
     let ((clean, _), (repeat, _)) = (despiked(map), despiked(repeat));
     let mut checked = map.clone();

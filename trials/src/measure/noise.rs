@@ -1,48 +1,48 @@
-//! The instrument's noise, from two scans of one surface.
+//! Noise of the instrument, from two scans of one surface.
 
 use sdf_bake::HeightMap;
 
 use super::register::{Freedom, Registration, RegistrationError, has_slope, register};
 use super::robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 
-/// Lags of the variogram at most [pixels].
+/// Longest lag of the variogram [pixels].
 const MOST_LAG: usize = 40;
-/// Rise of an exponential variogram at its correlation length.
+/// Relative rise of an exponential variogram at its correlation length.
 const RISE: f64 = 0.632;
 
-/// How far two scans of one surface differ, for one scan.
+/// Noise of one scan, from the difference between two scans of one surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseFloor {
-    /// Robust standard deviation of one scan's pixel [m]: the core, without tails.
+    /// Robust standard deviation of a pixel of one scan [m]: the core of the distribution, without tails.
     pub sigma: f64,
-    /// Root mean square of one scan's error, tails included [m].
+    /// Root mean square error of one scan, tails included [m].
     pub rms: f64,
-    /// The part that differs from pixel to pixel: the variogram continued to lag zero [m].
+    /// White part, independent from pixel to pixel: the variogram extrapolated to lag zero [m].
     pub white: f64,
-    /// The part that neighbours share [m].
+    /// Correlated part, shared by neighbouring pixels [m].
     pub correlated: f64,
-    /// Distance over which neighbours share it [m]; 0 where there is none.
+    /// Correlation length of that part [m]; 0 without one.
     pub correlation_length: f64,
-    /// Pixels that both scans have.
+    /// Number of pixels that both scans have.
     pub pixels: usize,
-    /// How the second scan lay over the first.
+    /// Registration of the second scan with the first.
     pub registration: Registration,
 }
 
-/// Compares two scans of one surface after laying one on the other, with a lateral shift. Pixels at the border and beside missing
-/// ones do not count: a shift moves them by a slope that is not well known.
+/// Compares two scans of one surface after registration with a lateral shift. Pixels at the border and beside missing
+/// ones are excluded: a shift changes them by a slope that is poorly known.
 ///
 /// The difference of two scans has twice the variance of one. Its robust variogram
 /// `g(l) = ½ (1.4826 median |d(x + l) - d(x)|)²`, the mean over x and y, rises from the white part at lag zero to
 /// the whole variance (Matheron 1963; Cressie and Hawkins 1980 for the robust form).
 ///
 /// # Errors
-/// [`RegistrationError`] when the scans cannot be laid on each other.
+/// [`RegistrationError`] if the scans cannot be registered.
 pub fn noise_floor(first: &HeightMap, second: &HeightMap) -> Result<NoiseFloor, RegistrationError> {
     noise_floor_where(first, second, |_| true)
 }
 
-/// The same over the pixels that `takes` says.
+/// The same over the pixels that `takes` selects.
 ///
 /// # Errors
 /// As [`noise_floor`].
@@ -99,11 +99,11 @@ mod tests {
 
     use super::*;
 
-    /// A plate with white noise of `white` [m] and, over squares of 16 pixels, shared noise of `shared` [m].
+    /// A plate with white noise of `white` [m] and, over blocks of 16 pixels, shared noise of `shared` [m].
     fn scan(seed: u64, white: f64, shared: f64) -> HeightMap {
         let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.25e-3, nx: 240, ny: 160 };
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        // The sum of twelve uniform numbers is normal enough, with a variance of one.
+        // The sum of twelve uniform numbers is approximately normal, with a variance of one.
         let mut normal = move || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
         let squares: Vec<f64> = (0..15 * 10).map(|_| shared * normal()).collect();
         let heights = (0..pixels.len()).map(|k| {

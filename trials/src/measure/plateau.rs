@@ -1,13 +1,13 @@
-//! The plateau that a tool leaves along its path: where it took off most of each section.
+//! The plateau of a ground track: the pixels in which the tool removed most of each section.
 
 use sdf_bake::PixelGrid;
 
-/// Share of a section's greatest removal from which a pixel belongs to the plateau.
+/// Share of a section's greatest removal above which a pixel belongs to the plateau.
 const PLATEAU: f64 = 0.5;
-/// Fewest pixels of a section that make a plateau.
+/// Minimum number of pixels of a section with a plateau.
 const LEAST_PIXELS: usize = 4;
 
-/// Which way sections run.
+/// Direction of the sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
     /// Along x, for a path along y.
@@ -26,7 +26,7 @@ pub struct Plateau {
 
 /// Finds the plateau of a pass.
 ///
-/// - `removed`: depth removed at each pixel [m], NaN where it is not known
+/// - `removed`: removed depth at each pixel [m], NaN where it is unknown
 /// - `least`: depth below which nothing counts as removed [m]
 pub fn plateau_pixels(pixels: PixelGrid, removed: &[f64], least: f64, across: Across) -> Plateau {
     let section = |line: Vec<usize>| {
@@ -44,12 +44,12 @@ pub fn plateau_pixels(pixels: PixelGrid, removed: &[f64], least: f64, across: Ac
 }
 
 impl Plateau {
-    /// Whether no section has one.
+    /// Returns true if no section has a plateau.
     pub fn is_empty(&self) -> bool {
         self.sections.is_empty()
     }
 
-    /// Whether a pixel belongs to it.
+    /// Returns true if a pixel belongs to the plateau.
     pub fn holds(&self, at: usize) -> bool {
         self.sections.iter().any(|section| section.contains(&at))
     }
@@ -59,15 +59,16 @@ impl Plateau {
         if self.across == Across::Y { place.y } else { place.x }
     }
 
-    /// Weights whose sum over a map is the mean over the plateau: pixel and weight, of the pixels that `knows` takes.
+    /// Pixels and weights whose weighted sum over a map is the mean over the plateau, restricted to pixels that `knows`
+    /// accepts.
     pub fn mean_weights(&self, knows: impl Fn(usize) -> bool) -> Vec<(usize, f64)> {
         let known: Vec<usize> = self.sections.iter().flatten().copied().filter(|&at| knows(at)).collect();
         let weight = 1.0 / known.len() as f64;
         known.into_iter().map(|at| (at, weight)).collect()
     }
 
-    /// Weights whose sum over a map is the slope across the path [1/m], the same in all sections, whose heights may
-    /// differ: least squares.
+    /// Weights whose sum over a map is the slope across the path [1/m], by least squares. The slope is common to all
+    /// sections, their heights may differ.
     pub fn slope_weights(&self, knows: impl Fn(usize) -> bool) -> Vec<(usize, f64)> {
         let mut weights = Vec::new();
         for section in &self.sections {

@@ -1,5 +1,5 @@
-//! How two maps of one surface lie on each other: offset, tilt and, if asked, a lateral shift, by iteratively
-//! reweighted least squares.
+//! Registration of two maps of one surface: offset, tilt and, on request, a lateral shift, by iteratively reweighted
+//! least squares.
 
 use glam::DVec2;
 use sdf_bake::HeightMap;
@@ -7,24 +7,26 @@ use thiserror::Error;
 
 use super::robust::centre_and_sigma;
 
-/// Fewest pixels that fix a plane.
+/// Minimum number of pixels that determine a plane.
 const LEAST_PIXELS: usize = 16;
-/// Most pixels that are used; of more, every second, third and so on.
+/// Maximum number of pixels that are used; of more, every second, third and so on.
 const MOST_USED: usize = 250_000;
-/// Rounds of reweighting with Huber's weights, then with Tukey's, which forget outliers altogether.
+/// Numbers of reweighting rounds with Huber's weights, then with Tukey's, which ignore outliers entirely.
 const ROUNDS: (usize, usize) = (10, 20);
-/// Huber's and Tukey's constants for 95 % efficiency under a normal law [standard deviations].
+/// Tuning constants of Huber's and Tukey's weights for 95 % efficiency under a normal distribution [standard
+/// deviations].
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
-/// Least spread of heights that a shift is weighed against [m]: far above the rounding of heights in a file, 1 nm.
+/// Minimum spread of heights for the weight of the prior on shifts [m]: far above the rounding of heights in a file, 1
+/// nm.
 const FINEST: f64 = 1e-7;
 /// Unknowns: offset, tilt along x and y, shift along x and y.
 const UNKNOWNS: usize = 5;
-/// Share of a column's length that the others must leave of it.
+/// Share of a column's norm that must remain after projection on the others; less counts as dependent.
 const INDEPENDENT: f64 = 1e-6;
 
-/// What may differ between two maps of one surface.
+/// Degrees of freedom of a registration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
     /// Offset and tilt.
@@ -33,28 +35,27 @@ pub enum Freedom {
     PlaneAndShift,
 }
 
-/// How one map lies over another:
-/// `measured(p) = reference(p - shift) + offset + tilt · (p - centre)`.
+/// Position of one map relative to another: `measured(p) = reference(p - shift) + offset + tilt · (p - centre)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Registration {
     /// Height difference at `centre` [m].
     pub offset: f64,
     /// Slope of the difference along x and y [1].
     pub tilt: DVec2,
-    /// Lateral shift [m]; zero unless asked for.
+    /// Lateral shift [m]; zero unless requested.
     pub shift: DVec2,
-    /// Mean place of the pixels used [m].
+    /// Mean position of the pixels used [m].
     pub centre: DVec2,
-    /// Robust standard deviation of what is left on the pixels used [m].
+    /// Robust standard deviation of the residuals on the pixels used [m].
     pub sigma: f64,
     /// Pixels used.
     pub pixels: usize,
 }
 
-/// Why two maps cannot be laid on each other.
+/// Error of two maps that cannot be registered.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum RegistrationError {
-    /// The maps have other pixels.
+    /// The maps have different pixels.
     #[error("{found:?} pixels on one map and {reference:?} on the other: the same are expected")]
     DifferentPixels {
         /// Pixels of the measured map.
@@ -62,28 +63,28 @@ pub enum RegistrationError {
         /// Pixels of the reference.
         reference: (usize, usize),
     },
-    /// Not enough to lay one map on the other.
+    /// Too few pixels for a registration.
     #[error("{found} pixels may be used, at least {LEAST_PIXELS} that do not lie on one line are needed")]
     TooFewPixels {
-        /// Pixels that both maps have and the mask takes.
+        /// Number of pixels that both maps have and the mask selects.
         found: usize,
     },
 }
 
-/// One pixel's equation: what each unknown adds, and the difference of the maps [m].
+/// Equation of one pixel: the coefficient of each unknown, and the difference of the maps [m].
 struct Equation {
     basis: [f64; UNKNOWNS],
     difference: f64,
 }
 
-/// Lays `measured` on `reference` over the pixels that `takes` says; outliers among them count little or nothing.
+/// Registers `measured` with `reference` over the pixels that `takes` selects; outliers get little or no weight.
 ///
-/// A shift is a step of Gauss and Newton's method with the reference's central differences, good for a small part of
-/// the pitch; a simulated reference can be observed again at the shifted pixels. It is drawn to zero as by a prior whose
-/// standard deviation is the pitch: so the rounding of an even surface, which looks like slopes, moves nothing.
+/// The shift is one Gauss-Newton step with the reference's central differences, accurate for a small part of the pitch;
+/// a simulated reference can be observed again at the shifted pixels. A prior with a standard deviation of one pitch
+/// draws the shift to zero, so that the rounding of a plane surface, which looks like slopes, causes no shift.
 ///
 /// # Errors
-/// [`RegistrationError`] when the maps differ in shape, or too few pixels are left.
+/// [`RegistrationError`] if the maps differ in shape, or too few pixels are left.
 pub fn register(
     measured: &HeightMap,
     reference: &HeightMap,
@@ -118,8 +119,8 @@ pub fn register(
     Ok(Registration { offset, tilt, shift, centre, sigma, pixels: equations.len() })
 }
 
-/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero where no
-/// shift is asked for.
+/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero if no shift is
+/// requested.
 fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
     let (nx, ny) = (map.pixels.nx, map.pixels.ny);
     let (i, j) = (at % nx, at / nx);
@@ -133,12 +134,12 @@ fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
     DVec2::new(h[at + 1] - h[at - 1], h[at + nx] - h[at - nx]) / (2.0 * map.pixels.pitch)
 }
 
-/// Whether a map's slope at a pixel is known from both sides along both axes.
+/// Returns true if all four neighbours of a pixel are known.
 pub(crate) fn has_slope(map: &HeightMap, at: usize) -> bool {
     slope(map, at, Freedom::PlaneAndShift).is_finite()
 }
 
-/// Slope of a map at a pixel from whichever neighbours are known, zero along an axis where none is.
+/// Slope of a map at a pixel from the known neighbours, zero along an axis without any.
 fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
     let (nx, here) = (map.pixels.nx, map.heights[at]);
     let rise = |next: Option<usize>| next.map(|next| map.heights[next] - here).filter(|rise| rise.is_finite());
@@ -151,7 +152,7 @@ fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
     DVec2::new(along(west, east), along(at.checked_sub(nx), within(at + nx))) / map.pixels.pitch
 }
 
-/// The robust solution, and the spread around it; shifts are expected to be within `reach` [m].
+/// The robust solution, and the spread around it; `reach` [m] is the scale of the expected shifts.
 fn fit(equations: &[Equation], reach: f64) -> Option<([f64; UNKNOWNS], f64)> {
     let prior = |sigma: f64| (sigma.max(FINEST) / reach).powi(2);
     let mut solution = weighted(equations, prior(0.0), |_| 1.0)?;
@@ -180,7 +181,7 @@ fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
     centre_and_sigma(&left).map(|(_, sigma)| sigma)
 }
 
-/// Weighted least squares with a prior on the shifts; `None` where not even the plane is fixed.
+/// Weighted least squares with a prior on the shifts; `None` if not even the plane is determined.
 fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
     let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut right = [0.0; UNKNOWNS];
@@ -197,8 +198,8 @@ fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(&Equation) -> f6
     solved(&matrix, &right)
 }
 
-/// Solves normal equations by Cholesky's factors. Shifts that the surface does not show stay zero; `None` where the
-/// plane is not fixed.
+/// Solves the normal equations by Cholesky factorisation. Shifts that the surface does not determine stay zero; `None`
+/// if the plane is not determined.
 fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut solution = [0.0; UNKNOWNS];
@@ -223,12 +224,12 @@ fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Opti
 }
 
 impl Registration {
-    /// The plane at a place [m].
+    /// Height of the plane at a point [m].
     pub fn plane(&self, place: DVec2) -> f64 {
         self.offset + self.tilt.dot(place - self.centre)
     }
 
-    /// The measured map without the plane; a shift is left to the reference.
+    /// The measured map without the plane; a shift is not applied.
     pub fn levelled(&self, measured: &HeightMap) -> HeightMap {
         let mut map = measured.clone();
         let pixels = map.pixels;
@@ -238,7 +239,7 @@ impl Registration {
         map
     }
 
-    /// What is left of `measured - reference` at each pixel [m], NaN where it is not known.
+    /// Residual of `measured - reference` at each pixel [m], NaN where it is unknown.
     pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
         let freedom = if self.shift == DVec2::ZERO { Freedom::Plane } else { Freedom::PlaneAndShift };
         let levelled = self.levelled(measured);

@@ -1,4 +1,4 @@
-//! The noise of each trial's scans: from its repeated scan, or from what else shows it.
+//! Noise of each trial's scans: from its repeated scan, or from a substitute.
 
 use rayon::prelude::*;
 use sdf_bake::{HeightMap, PixelGrid};
@@ -8,39 +8,40 @@ use super::noise::{NoiseFloor, noise_floor, noise_floor_where};
 use super::{CLEARANCE, RegistrationError, centre_and_sigma, despiked, untouched};
 use crate::trial::{PassScan, ToolPath, Trial};
 
-/// Pixels that no tool touched with which a robust spread is within a tenth: of 2,000 pixels in patches of 4 x 4 that noise
-/// shares, 125 are independent, and the spread of so many is known to 1.17 / √(2 · 125) (Rousseeuw and Croux 1993).
+/// Minimum number of untouched pixels for a robust spread within a tenth. Of 2,000 pixels in patches of 4 x 4 that
+/// share noise, 125 are independent; the relative error of their spread is 1.17 / √(2 · 125) (Rousseeuw and Croux
+/// 1993).
 const LEAST_UNTOUCHED: usize = 2000;
-/// Relative difference of two pitches that is rounding.
+/// Relative difference of two pitches that counts as rounding.
 const SAME_PITCH: f64 = 1e-6;
 
-/// Where the noise of a trial's scans is seen.
+/// Source of the noise estimate of a trial's scans.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind", content = "trial")]
 pub enum NoiseSource {
-    /// In its repeated scan.
+    /// The trial's repeated scan.
     #[default]
     Repeat,
-    /// In the repeated scan of another trial.
+    /// The repeated scan of another trial.
     OtherTrial(String),
-    /// Where no tool came between the scan before and that after the first pass.
+    /// Pixels that no tool touched between the scan before and that after the first pass.
     Untouched,
-    /// In the roughness of the scan before alone.
+    /// The roughness of the scan before alone.
     OneScan,
 }
 
-/// Two scans of one surface, or what stands for them.
+/// Difference of two scans of one surface, or its substitute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanNoise {
-    /// Where it comes from.
+    /// Source of the difference.
     pub source: NoiseSource,
-    /// One scan above the other after registration [m], on the trial's pixels; NaN where it is not known.
+    /// Difference of the scans after registration [m], on the trial's pixels; NaN where it is unknown.
     pub left: HeightMap,
-    /// The noise in numbers.
+    /// The noise statistics.
     pub floor: NoiseFloor,
 }
 
-/// Why the noise of a trial is not known.
+/// Error of a trial whose noise cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 #[error("{trial}: {what}: {error}")]
 pub struct ScanNoiseError {
@@ -50,12 +51,12 @@ pub struct ScanNoiseError {
 }
 
 impl NoiseSource {
-    /// True if the scans may have more noise than is seen: marks of grinding lie where the tool was.
+    /// True if the noise may be underestimated: grinding marks lie where the tool was.
     pub fn is_lower_bound(&self) -> bool {
         *self == Self::Untouched
     }
 
-    /// For people, after the name of the trial; `None` for a repeated scan.
+    /// Description for messages, after the name of the trial; `None` for a repeated scan.
     pub fn words(&self) -> Option<String> {
         Some(match self {
             Self::Repeat => return None,
@@ -77,7 +78,7 @@ impl ScanNoise {
     /// The noise of each trial.
     ///
     /// # Errors
-    /// A repeated scan that cannot be laid on the scan before, or a scan without enough pixels.
+    /// A repeated scan that cannot be registered with the scan before, or a scan without enough pixels.
     pub fn of_campaign(trials: &[Trial]) -> Result<Vec<Self>, ScanNoiseError> {
         let own: Vec<Option<Self>> = trials.par_iter().map(Self::repeated).collect::<Result<_, _>>()?;
         let known: Vec<(&Trial, &Self)> =
@@ -94,7 +95,7 @@ impl ScanNoise {
         trials.par_iter().zip(&own).map(one).collect()
     }
 
-    /// The difference with its gaps closed by the mirror image of what is beside them: noise like the noise there.
+    /// The difference with its gaps filled by mirroring what is beside them: noise like the noise there.
     pub fn without_gaps(&self) -> HeightMap {
         HeightMap { heights: mirrored_into_gaps(&self.left), ..self.left.clone() }
     }
@@ -120,7 +121,8 @@ impl ScanNoise {
         Self { source: NoiseSource::OtherTrial(name.to_owned()), left, floor: self.floor.clone() }
     }
 
-    /// From where no tool came between the scan before and that after the first pass; `None` where that is too small.
+    /// From pixels that no tool touched between the scan before and that after the first pass; `None` if they are too
+    /// few.
     fn untouched(trial: &Trial) -> Option<Self> {
         let pass = trial.passes.first()?;
         let PassScan::Heights(after) = &pass.scan else { return None };
@@ -136,8 +138,8 @@ impl ScanNoise {
 
     /// From the roughness of the scan before alone.
     ///
-    /// In a cross difference `h(i, j) − h(i+1, j) − h(i, j+1) + h(i+1, j+1)`, which has four times the variance of a pixel, all
-    /// shapes cancel that are a function of x plus one of y: planes, straight beads, cylinders.
+    /// A cross difference `h(i, j) − h(i+1, j) − h(i, j+1) + h(i+1, j+1)` has four times the variance of a pixel. Every
+    /// shape that is a function of x plus one of y cancels: planes, straight beads, cylinders.
     fn one_scan(trial: &Trial) -> Result<Self, ScanNoiseError> {
         let before = trial.scans.clean_before();
         let crosses = cross_differences(&before);
@@ -161,7 +163,7 @@ impl ScanNoise {
     }
 }
 
-/// Robust standard deviation of one value of a map by its cross differences; `None` of too few.
+/// Robust standard deviation of one value of a map from its cross differences; `None` if they are too few.
 pub fn roughness(map: &HeightMap) -> Option<f64> {
     let known: Vec<f64> = cross_differences(map).into_iter().filter(|cross| cross.is_finite()).collect();
     centre_and_sigma(&known).map(|(_, spread)| 0.5 * spread)
@@ -182,13 +184,13 @@ fn cross_differences(map: &HeightMap) -> Vec<f64> {
     (0..map.heights.len()).map(cross).collect()
 }
 
-/// An index beyond a row of `count`, mirrored at its ends.
+/// Mirrors an index outside a row of `count` at the row's ends.
 fn mirrored(at: usize, count: usize) -> usize {
     let within = at % (2 * count);
     if within < count { within } else { 2 * count - 1 - within }
 }
 
-/// Heights of a map whose gaps show, along y, the mirror image of what is beside them.
+/// Heights of a map with its gaps filled, along y, by mirroring what is beside them.
 fn mirrored_into_gaps(map: &HeightMap) -> Vec<f64> {
     let PixelGrid { nx, ny, .. } = map.pixels;
     let mut filled = map.heights.clone();
@@ -203,7 +205,7 @@ fn mirrored_into_gaps(map: &HeightMap) -> Vec<f64> {
             let above = known.get(after).map(|own| (own - j, after));
             let nearest = below.into_iter().chain(above).min();
             let (distance, edge) = nearest.expect("some are known");
-            // Counted in known pixels, so that a gap as wide as what is beside it is filled too.
+            // Counted in known pixels, so that a gap as wide as the pixels beside it is filled, too.
             let source = if Some((distance, edge)) == below {
                 edge.saturating_sub(distance - 1)
             } else {
@@ -230,7 +232,7 @@ mod tests {
     fn shapes_along_x_and_y_leave_no_roughness() {
         let smooth = map(40, 30, |x, y| 2e-3 * (0.1 * x).sin() + 1e-3 * (1.0 - (y / 15.0 - 1.0).powi(2)));
         assert!(roughness(&smooth).unwrap() < 1e-15);
-        // Heights that no neighbour shares, even between 0 and 1 µm.
+        // Heights without correlation between neighbours, uniform between 0 and 1 µm.
         let rough = map(120, 90, |x, y| 1e-6 * ((12.9898 * x + 78.233 * y).sin() * 43758.5453).rem_euclid(1.0));
         let expected = 1e-6 / 12f64.sqrt();
         assert!((roughness(&rough).unwrap() / expected - 1.0).abs() < 0.1, "{}", roughness(&rough).unwrap());

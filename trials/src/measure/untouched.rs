@@ -1,4 +1,4 @@
-//! The pixels that a tool left alone.
+//! The pixels that a tool did not touch.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,13 +9,13 @@ use robot::{Tool, Wheel};
 
 /// Distance to the tool that counts as touched [m]: covers errors of pose and scan, and grinding dust.
 pub const CLEARANCE: f64 = 0.1e-3;
-/// Poses nearer to each other than this share of a pixel are one.
+/// Poses closer together than this share of a pixel count as one.
 const SAME_POSE: f64 = 0.5;
 
-/// For each pixel, whether no point of the tool came nearer to the surface than `clearance` [m] on the whole path.
+/// For each pixel, true if no point of the tool came closer to the surface than `clearance` [m] on the whole path.
 ///
 /// - `surface`: the workpiece before the pass; pixels without a height count as touched
-/// - `clearance`: such as [`CLEARANCE`]
+/// - `clearance`: for instance [`CLEARANCE`]
 pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &HeldTool, clearance: f64) -> Vec<bool> {
     let poses = thinned(&path.poses, SAME_POSE * surface.pixels.pitch);
     let pixels = surface.pixels;
@@ -27,7 +27,7 @@ pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &HeldTool, clearanc
     (0..pixels.len()).into_par_iter().map(is_free).collect()
 }
 
-/// Every pose that lies at least `way` [m] from the one kept before it.
+/// Selects poses that lie at least `way` [m] from the previous selected one.
 fn thinned(poses: &[ToolPose], way: f64) -> Vec<ToolPose> {
     let mut kept: Vec<ToolPose> = Vec::new();
     for pose in poses {
@@ -39,8 +39,8 @@ fn thinned(poses: &[ToolPose], way: f64) -> Vec<ToolPose> {
     kept
 }
 
-/// Distance [m] from a point to the tool's working face; infinite beside it, where beside begins a pixel further out. What is
-/// no wheel is taken as a disc.
+/// Distance [m] from a point to the tool's working face; infinite if the point is more than a pixel beside the face.
+/// Any tool other than a wheel is taken as a disc.
 fn gap(tool: &HeldTool, pose: &ToolPose, point: DVec3, pixel: f64) -> f64 {
     let from_centre = point - pose.centre;
     match &tool.shape {

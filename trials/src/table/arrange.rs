@@ -1,4 +1,4 @@
-//! The rows of a table put in order, and those that evaluate.
+//! Order of a table's rows in time, and selection of the held-out rows.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use super::read::{LEAST_ROWS, Reading};
 use crate::trial::{Place, Role, TrialError};
 use files::input::quoted;
 
-/// Seed of the rows that evaluate.
+/// Seed of the draw of held-out rows.
 const SEED: u64 = 1;
-/// Two settings are the same where they differ by less than this share.
+/// Relative difference below which two settings are the same.
 const SAME: f64 = 1e-9;
-/// Probability that rows in random order are sorted as much, below which they were sorted on purpose.
+/// p-value, for rows in random order, below which they count as sorted on purpose.
 const SORTED_BY_CHANCE: f64 = 0.01;
 
-/// A setting of a row by its name.
+/// A setting's name, and the function that reads it from a row.
 type Setting = (&'static str, fn(&Row) -> Option<f64>);
 /// Settings by which a file may be sorted.
 const SETTINGS: [Setting; 4] = [
@@ -58,9 +58,9 @@ impl Reading<'_> {
         Ok(Some(format!("rows are ordered {how}; {moved} stand elsewhere in the file")))
     }
 
-    /// Whether the order of the rows is that of time, and what is to be known of it. Without a word of the manifest, a
-    /// file that is sorted by a setting is not: a table by design looks like that. Where the tool is fresh in some rows
-    /// and not in others, the file tells the tool's history.
+    /// True if the order of the rows is that of time, with a note on it. If the manifest does not say, a file sorted by
+    /// a setting is not in time: designed experiments are listed like that. If the tool is fresh in some rows and not
+    /// in others, the file is in time, because it records the tool's history.
     pub(super) fn is_in_time(&self) -> (bool, Option<String>) {
         match self.columns.ordering {
             _ if self.columns.order.is_some() => return (true, None),
@@ -107,8 +107,8 @@ impl Reading<'_> {
     }
 }
 
-/// Whether rows are sorted by a setting, more than rows in random order: they rise or fall all along, or each of three
-/// levels or more stands in one piece.
+/// True if rows are sorted by a setting more than random order would be: monotonic throughout, or each of at least
+/// three levels is contiguous.
 fn is_sorted(rows: &[Row], value: fn(&Row) -> Option<f64>) -> bool {
     let Some(values) = rows.iter().map(value).collect::<Option<Vec<f64>>>() else { return false };
     let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());

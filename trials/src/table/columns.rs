@@ -1,4 +1,4 @@
-//! Where in the CSV each quantity stands, in which unit.
+//! Position and unit of each quantity in the CSV.
 
 use effects::Dimension;
 
@@ -22,11 +22,11 @@ const PRESSURE: Dimension = Dimension::whole([1, -1, -2, 0]);
 /// A column of numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
-    /// What it gives.
+    /// Key of the quantity.
     pub(super) key: String,
     /// Name in the header.
     pub(super) name: String,
-    /// Place in a row.
+    /// Column index.
     pub(super) at: usize,
     /// Its unit.
     pub(super) unit: ColumnUnit,
@@ -34,31 +34,31 @@ pub(super) struct Numbers {
     pub(super) unit_text: String,
 }
 
-/// What presses.
+/// Kind of load that the table gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Load {
     Force,
     Pressure,
 }
 
-/// What tells how fast the tool slides.
+/// Quantity from which the sliding speed follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Motion {
     Speed,
     Spindle,
 }
 
-/// What is said of the order of the file instead of a column.
+/// Statement of the manifest about the order of the file, instead of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ordering {
-    /// It is that of time.
+    /// The order is that of time.
     File,
-    /// It says nothing about time.
+    /// The order is unrelated to time.
     None,
 }
 
 impl Ordering {
-    /// By its name, unless a column has that name.
+    /// The ordering with this name, unless a column has that name.
     fn of(name: &str, columns: &[String]) -> Option<Self> {
         let known = [("file", Self::File), ("none", Self::None)].into_iter().find(|(word, _)| *word == name);
         known.filter(|(word, _)| columns.iter().all(|column| column != word)).map(|(_, ordering)| ordering)
@@ -67,15 +67,15 @@ impl Ordering {
 
 /// All columns of a table.
 pub(super) struct Columns {
-    /// Cells of a whole row.
+    /// Number of cells of a complete row.
     pub(super) count: usize,
     pub(super) load: (Load, Numbers),
     pub(super) motion: Option<(Motion, Numbers)>,
     pub(super) duration: Option<Numbers>,
     pub(super) removed: Numbers,
-    /// What the removal is, and whether it is given per time.
+    /// Kind of removal, and true if it is given per time.
     pub(super) removal: (Removed, bool),
-    /// From the removal in its SI unit to a depth or volume.
+    /// Factor from the removal in its SI unit to a depth or volume.
     pub(super) per_mass: f64,
     pub(super) usage: Vec<Numbers>,
     pub(super) order: Option<usize>,
@@ -84,11 +84,11 @@ pub(super) struct Columns {
     pub(super) role: Option<usize>,
     pub(super) tool: Option<usize>,
     pub(super) fresh: Option<usize>,
-    /// Columns that the manifest does not name.
+    /// Columns that the manifest does not mention.
     pub(super) others: Vec<(usize, String)>,
 }
 
-/// The header, searched for the manifest's names.
+/// Search for the manifest's names in the header.
 struct Search<'a> {
     manifest: &'a Manifest,
     names: Vec<String>,
@@ -136,7 +136,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Columns of numbers without which a row cannot be used.
+    /// Numerical columns that every usable row needs.
     pub(super) fn settings(&self) -> impl Iterator<Item = &Numbers> {
         let motion = self.motion.as_ref().map(|(_, numbers)| numbers);
         std::iter::once(&self.load.1).chain(motion).chain(&self.duration).chain(&self.usage)
@@ -153,7 +153,7 @@ impl Search<'_> {
         self.place(&column.key, column.name.get_ref(), column.name.span().start)
     }
 
-    /// The place of a column by its name.
+    /// Index of a column by its name.
     fn place(&self, key: &str, name: &str, at: usize) -> Result<usize, TrialError> {
         let exact: Vec<usize> = (0..self.names.len()).filter(|&k| self.names[k] == name.trim()).collect();
         let alike = || (0..self.names.len()).filter(|&k| self.names[k].eq_ignore_ascii_case(name.trim())).collect();
@@ -203,7 +203,7 @@ impl Search<'_> {
         Ok(Some((Motion::Spindle, spindle)))
     }
 
-    /// What was removed, what it is, and the factor from a mass to a volume.
+    /// Column of the removal, its kind, and the factor from a mass to a volume.
     fn removed(&self, has_duration: bool) -> Result<(Numbers, (Removed, bool), f64), TrialError> {
         let wanted = [
             ("mm", LENGTH),

@@ -1,23 +1,23 @@
-//! Which rows evaluate where no column says it: drawn at random, and balanced over the levels of every setting, so that
-//! they are no function of one.
+//! Random draw of the held-out rows, if no column gives them. The draw is balanced over the levels of every setting, so
+//! that the split is not a function of a setting.
 
 use random::Stream;
 
 use super::Row;
 
-/// Share of the rows that evaluate: one in so many.
+/// One row in this many is held out.
 const ONE_IN: usize = 3;
-/// Draws of which the best balanced is taken.
+/// Number of draws, of which the best balanced is taken.
 const DRAWS: usize = 400;
-/// Neighbours in the order of the rows among which the share is balanced as well.
+/// Number of neighbours in the order of the rows over which the share is balanced as well.
 const NEIGHBOURS: usize = 9;
-/// What a level that no row calibrates costs a draw: more than any imbalance.
+/// Penalty of a draw that leaves a level without calibration rows: more than any imbalance.
 const LEVEL_LOST: f64 = 1e6;
 
-/// The rows among `measured` that evaluate, in rising order; none where fewer than `least` would be held out.
+/// Indices of the held-out rows among `measured`, increasing; empty if fewer than `least` would be held out.
 ///
 /// - `measured`: rows with a removal
-/// - `least`: fewest rows worth holding out
+/// - `least`: minimum number of rows worth holding out
 pub(super) fn held_out((rows, measured): (&[Row], &[usize]), least: usize, seed: u64) -> Vec<usize> {
     let count = measured.len() / ONE_IN;
     if count < least {
@@ -37,7 +37,7 @@ pub(super) fn held_out((rows, measured): (&[Row], &[usize]), least: usize, seed:
     held.into_iter().map(|k| measured[k]).collect()
 }
 
-/// So many of the first numbers.
+/// Random sample of `count` indices below `of`.
 fn sample(of: usize, count: usize, stream: &mut Stream) -> Vec<usize> {
     let mut all: Vec<usize> = (0..of).collect();
     for k in 0..count {
@@ -76,7 +76,7 @@ fn count_of(levels: &[usize]) -> usize {
     levels.iter().max().map_or(0, |most| most + 1)
 }
 
-/// Squared differences of the rows drawn of each level and those that would be its share.
+/// Sum over levels of the squared difference between the number of drawn rows and the proportional number.
 fn imbalance(factors: &[Vec<usize>], drawn: &[usize], rows: usize) -> f64 {
     let share = drawn.len() as f64 / rows as f64;
     let of = |levels: &Vec<usize>| {

@@ -1,4 +1,4 @@
-//! `table.toml` as it stands in the file.
+//! Contents of `table.toml`.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,16 +16,16 @@ pub const TABLE_FORMAT: &str = "finishing-table/1";
 /// Name of the file that makes a folder a table.
 pub const TABLE_FILE: &str = "table.toml";
 
-/// Constants with their size in SI; they stand at the top or in the table of the column that they belong to.
+/// Constants with their unit in SI; they are at the top or in the table of the column that they belong to.
 const CONSTANTS: [(&str, f64); 4] =
     [("area_mm2", 1e-6), ("radius_mm", 1e-3), ("density_kg_m3", 1.0), ("coating_mm", 1e-3)];
-/// Other keys at the top.
+/// Other keys at the top level.
 const ROOT: [&str; 7] = ["format", "name", "process", "csv", "order", "noise", "columns"];
-/// Columns of text.
+/// Columns with text.
 const TEXTS: [&str; 4] = ["group", "role", "tool", "fresh"];
-/// Columns of numbers; any other key below `columns` is a state that the column measures.
+/// Columns with numbers; any other key below `columns` is a state that the column measures.
 const NUMBERS: [&str; 6] = ["force", "pressure", "speed", "spindle_rpm", "duration", "removed"];
-/// Letters by which a mistyped key differs from one that is meant.
+/// Edit distance up to which an unknown key counts as a typing error.
 const SLIPS: usize = 1;
 /// A constant by its key [SI].
 type Constant = (&'static str, f64);
@@ -33,7 +33,7 @@ type Constant = (&'static str, f64);
 /// One entry below `columns`.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
-    /// What it gives, such as `force`; `usage` or a name of the user's for states.
+    /// Its quantity, such as `force`; `usage` or a user-defined name for states.
     pub(super) key: String,
     /// Name in the CSV.
     pub(super) name: Spanned<String>,
@@ -44,7 +44,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// Whether it measures a state.
+    /// Returns true if it measures a state.
     pub(super) fn is_usage(&self) -> bool {
         !TEXTS.contains(&self.key.as_str()) && !NUMBERS.contains(&self.key.as_str())
     }
@@ -55,7 +55,7 @@ pub(super) struct Manifest {
     pub(super) source: Source,
     pub(super) name: String,
     pub(super) process: Process,
-    /// Whether the process is called polishing.
+    /// True if the process is called polishing.
     pub(super) polishes: bool,
     pub(super) csv: Spanned<PathBuf>,
     pub(super) order: Option<Spanned<String>>,
@@ -64,13 +64,13 @@ pub(super) struct Manifest {
     pub(super) radius: Option<f64>,
     pub(super) density: Option<f64>,
     pub(super) coating: Option<f64>,
-    /// Standard deviation of a row's removal over the removal, where it is stated.
+    /// Relative standard deviation of a row's removal, if stated.
     pub(super) noise: Option<f64>,
-    /// Bytes of `[columns]`, for what is missing there.
+    /// Byte range of `[columns]`, for errors about missing entries.
     pub(super) columns_at: Range<usize>,
 }
 
-/// A table of the file.
+/// A table of the TOML file.
 struct Section<'a> {
     source: &'a Source,
     /// Its name, empty for the root.
@@ -126,7 +126,7 @@ impl Manifest {
         })
     }
 
-    /// The column that gives something.
+    /// The column of a quantity.
     pub(super) fn column(&self, key: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.key == key)
     }
@@ -171,7 +171,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The stated noise of a row, as `"5 %"` or a plain number below one.
+    /// The stated relative noise of a row, as `"5 %"` or a plain number below one.
     fn noise(&self) -> Result<Option<f64>, TrialError> {
         let Some(value) = self.get("noise") else { return Ok(None) };
         let stated = match value.get_ref() {
@@ -192,7 +192,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The tables under a key: one, or a list of them.
+    /// The tables under a key: one, or a list.
     fn sections(&self, key: &'a str) -> Result<Vec<Section<'a>>, TrialError> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         let section = |value: &'a Spanned<DeValue<'a>>| match value.get_ref() {
@@ -209,7 +209,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Says early what the file is, if it is something else.
+    /// Reports a file of another format before anything else.
     fn check_format(&self) -> Result<(), TrialError> {
         let format = self.need("format")?;
         if format.get_ref() == TABLE_FORMAT {
@@ -219,7 +219,7 @@ impl<'a> Section<'a> {
         Err(self.source.bad(format.span(), found, format!("{TABLE_FORMAT:?} is expected")))
     }
 
-    /// Refuses keys that mean nothing here.
+    /// Refuses unknown keys.
     fn accept(&self, known: &[&str]) -> Result<(), TrialError> {
         match self.table.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
@@ -234,13 +234,13 @@ impl<'a> Section<'a> {
         self.source.bad(at, format!("unknown key {shown}{place}"), format!("{hint}Accepted are {}", known.join(", ")))
     }
 
-    /// The entries below `columns`, in the order of their keys, and the constants that stand in them.
+    /// The entries below `columns`, in the order of their keys, and the constants among them.
     fn columns(&self) -> Result<(Vec<Column>, Vec<Constant>), TrialError> {
         let known: Vec<&str> = NUMBERS.iter().chain(&TEXTS).chain(&["usage"]).copied().collect();
         let (mut columns, mut constants) = (Vec::new(), Vec::new());
         for (key, _) in self.table {
             let name = key.get_ref().as_ref();
-            // A state may have any name, but a slip of the pen is none.
+            // A state may have any name, except one that is a typing error of a known key.
             let slips = |known: &&str| strsim::osa_distance(known, name) <= SLIPS;
             if !known.contains(&name) && known.iter().any(slips) {
                 return Err(self.unknown(name, key.span(), &known));

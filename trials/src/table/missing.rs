@@ -1,20 +1,20 @@
-//! Numbers that stand for a missing value, such as -9999.
+//! Numerical codes for a missing value, such as -9999.
 
 use instruments::text_table::TextTable;
 
 use crate::trial::TrialError;
 
-/// Numbers that loggers and spreadsheets write for a missing value.
+/// Codes that loggers and spreadsheets write for a missing value.
 const MARKS: [f64; 10] = [-99.0, -999.0, -9999.0, -99_999.0, 999.0, 9999.0, 99_999.0, -32_768.0, 1e30, -1e30];
-/// A mark lies so many ranges of the other values away from them, and is so many times as large.
+/// A code lies at least this many ranges of the other values away from them, and is at least as many times as large.
 const APART: f64 = 3.0;
 
-/// Marks of missing values, column by column.
+/// Codes for missing values, by column.
 pub(super) struct Marks(Vec<Vec<f64>>);
 
 impl Marks {
-    /// Looks through all numbers of a file. A number is a mark only where no other value of its column comes near it:
-    /// 999 N among loads of 100 to 900 N is a load.
+    /// Searches all numbers of a file. A number is a code only if no other value of its column comes near it: 999 N
+    /// among loads of 100 to 900 N is a load.
     pub(super) fn find(text: &TextTable) -> Result<Self, TrialError> {
         let mut columns: Vec<Vec<f64>> = Vec::new();
         let mut is_header = true;
@@ -31,7 +31,7 @@ impl Marks {
         Ok(Self(columns.iter().map(|values| marks(values)).collect()))
     }
 
-    /// Whether a number of a column stands for a missing value.
+    /// Returns true if a number of a column is a code for a missing value.
     pub(super) fn has(&self, column: usize, value: f64) -> bool {
         self.0.get(column).is_some_and(|marks| marks.contains(&value))
     }

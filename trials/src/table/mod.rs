@@ -1,9 +1,9 @@
-//! Tables: finishing trials of which only rows are known, such as force, speed, time and removed depth
-//! (`finishing-table/1`).
+//! Tables: finishing trials with one row of settings and removal per contact, such as force, speed, time and removed
+//! depth (`finishing-table/1`).
 //!
-//! The road of the data: [`Table::read`] reads `table.toml` (`manifest`), finds its columns in the CSV (`columns`), reads
-//! the cells (`read`, `missing`), puts the rows in order (`arrange`, `order`), draws those held out (`held_out`) and checks their
-//! units (`plausible`). All is SI here; other units stay in the files.
+//! Flow of the data: [`Table::read`] reads `table.toml` (`manifest`), finds its columns in the CSV (`columns`), reads
+//! the cells (`read`, `missing`), orders the rows (`arrange`, `order`), draws the held-out rows (`held_out`) and checks
+//! the plausibility of the units (`plausible`). All is SI here; other units stay in the files.
 
 mod arrange;
 mod columns;
@@ -22,54 +22,54 @@ pub use manifest::{TABLE_FILE, TABLE_FORMAT};
 
 use crate::trial::{Covariate, Role, TrialError};
 
-/// What was measured of the removal.
+/// Measured quantity of the removal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Removed {
-    /// A depth: the surface receded by it.
+    /// A depth: the recession of the surface.
     Depth,
-    /// A volume, or a mass and the density.
+    /// A volume, or a mass with the density.
     Volume,
 }
 
 /// A state that a column measures, such as hours of use or a temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Usage {
-    /// Key under which the table declares it: `usage`, or a name of the user's own.
+    /// Key of the column in the table's manifest: `usage`, or a user-defined name.
     pub key: String,
     /// Name of the column.
     pub name: String,
-    /// What it is measured in.
+    /// Dimension of its unit.
     pub dimension: Dimension,
     /// The unit as the file writes it.
     pub unit: String,
-    /// SI value of one such unit, and of zero in the file.
+    /// SI value of one unit, and of the file's zero.
     pub scale: (f64, f64),
 }
 
-/// One row: a piece of work with one setting. Quantities that the table does not give are `None` in every row.
+/// One row: one contact with constant settings. A quantity that the table does not give is `None` in every row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Line in the CSV, from 1.
     pub line: u64,
-    /// Time since the first row began [s], where the order is by date.
+    /// Time since the first row began [s], if the order is given by date.
     pub began: Option<f64>,
     /// Normal force [N].
     pub force: Option<f64>,
-    /// Mean pressure of the contact [Pa], where the table gives it or the contact's area.
+    /// Mean pressure of the contact [Pa], if the table gives it or the contact's area.
     pub pressure: Option<f64>,
     /// Sliding speed [m/s].
     pub speed: Option<f64>,
-    /// How long the tool worked [s].
+    /// Duration of the contact [s].
     pub duration: Option<f64>,
-    /// Mean of the removed depth [m/s] or volume [m³/s] per time; `None`: not measured in this row.
+    /// Mean removed depth [m/s] or volume [m³/s] per time; `None` if it was not measured in this row.
     pub removal_rate: Option<f64>,
-    /// Place among [`Table::groups`].
+    /// Index in [`Table::groups`].
     pub group: usize,
-    /// Place among [`Table::tools`].
+    /// Index in [`Table::tools`].
     pub tool: usize,
-    /// Whether the tool was dressed or renewed before this row.
+    /// True if the tool was dressed or replaced before this row.
     pub fresh: bool,
-    /// Whether a fit may see what was removed.
+    /// Split: calibration rows are fitted, held-out rows are not.
     pub role: Role,
     /// Values of [`Table::usage`] [SI].
     pub usage: Vec<f64>,
@@ -78,11 +78,11 @@ pub struct Row {
 /// A table with all its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Where it was read.
+    /// Folder from which it was read.
     pub folder: PathBuf,
     /// Its name.
     pub name: String,
-    /// What the tool does.
+    /// Process: grinding or sanding.
     pub process: Process,
     /// Area of the contact [m²].
     pub area: Option<f64>,
@@ -90,23 +90,23 @@ pub struct Table {
     pub radius: Option<f64>,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,
-    /// What the rows' removal rate is a rate of.
+    /// Kind of the rows' removal.
     pub removed: Removed,
-    /// Recipes; one without a name where the table has none.
+    /// Names of the recipes; one empty name if the table gives none.
     pub groups: Vec<String>,
-    /// Tools; one without a name where the table has none.
+    /// Names of the tools; one empty name if the table gives none.
     pub tools: Vec<String>,
     /// States that columns measure.
     pub usage: Vec<Usage>,
-    /// Rows in order of time, or as the file has them.
+    /// Rows in order of time, or in the order of the file.
     pub rows: Vec<Row>,
-    /// Whether the order of the rows is that of time.
+    /// True if the order of the rows is that of time.
     pub in_time: bool,
-    /// Standard deviation of a row's removal over the removal, where the table states it.
+    /// Relative standard deviation of a row's removal, if the table states it.
     pub noise: Option<f64>,
-    /// Further columns of numbers, one value per row, NaN where the cell is empty.
+    /// Further numerical columns, one value per row, NaN where the cell is empty.
     pub covariates: Vec<Covariate>,
-    /// What was understood of the files, one sentence each.
+    /// Notes on the interpretation of the files, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -114,7 +114,7 @@ impl Table {
     /// Reads a folder with a `table.toml` and its CSV.
     ///
     /// # Errors
-    /// [`TrialError`] with file, line and column, what was found and what would be accepted.
+    /// [`TrialError`] with file, line and column, the value found and the values accepted.
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
         read::read(folder)
     }

@@ -1,8 +1,8 @@
-//! The order of the rows in time: by numbers or by dates.
+//! Order of the rows in time, from numbers or dates.
 
 use jiff::civil::DateTime;
 
-/// Ways in which dates are written. What fits two of them is read as the first.
+/// Date formats. A cell that fits two of them is read in the first.
 const DATES: [&str; 16] = [
     "%Y-%m-%dT%H:%M:%S",
     "%Y-%m-%dT%H:%M",
@@ -22,19 +22,19 @@ const DATES: [&str; 16] = [
     "%m/%d/%Y",
 ];
 
-/// What the cells of the order column are.
+/// Content of the order column.
 pub(super) enum Order {
     /// Numbers of any meaning.
     Numbers(Vec<f64>),
-    /// Dates, as seconds since the year 1970, and how they were read.
+    /// Dates, as seconds since 1970, and their format.
     Dates(Vec<f64>, &'static str),
 }
 
 impl Order {
-    /// Understands all cells in one way.
+    /// Reads all cells in one format.
     ///
     /// # Errors
-    /// The place of the first cell that does not fit the way in which the first one is written.
+    /// The index of the first cell that does not fit the format of the first one.
     pub(super) fn of(cells: &[&str]) -> Result<Self, usize> {
         let numbers: Result<Vec<f64>, usize> = all(cells, |cell| cell.replace(',', ".").parse().ok());
         if let Ok(numbers) = numbers {
@@ -55,7 +55,7 @@ fn all(cells: &[&str], read: impl Fn(&str) -> Option<f64>) -> Result<Vec<f64>, u
     cells.iter().enumerate().map(|(at, cell)| read(cell).filter(|value| value.is_finite()).ok_or(at)).collect()
 }
 
-/// Seconds since the year 1970.
+/// Seconds since 1970.
 fn date(cell: &str, format: &str) -> Option<f64> {
     let text = cell.trim_end_matches('Z');
     let moment = if format.contains("%H") {

@@ -1,4 +1,4 @@
-//! Whether the quantities of a table look like their units.
+//! Plausibility of a table's quantities in their units.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::{Removed, Row};
 use crate::measure::median;
 use crate::trial::{Place, TrialError};
 
-/// Medians beyond these look like another unit: key, least and greatest value [SI].
+/// Plausible range of each quantity's median: key, minimum and maximum [SI].
 const PLAUSIBLE: [(&str, f64, f64); 5] = [
     ("force", 1e-2, 1e5),
     ("pressure", 1e1, 1e9),
@@ -15,12 +15,12 @@ const PLAUSIBLE: [(&str, f64, f64); 5] = [
     ("spindle_rpm", 1e-2, 2e4),
     ("duration", 1e-3, 1e7),
 ];
-/// The same for the mean removal rate, as depth [m/s] and as volume [m³/s].
+/// The same for the mean removal rate, as a depth [m/s] and as a volume [m³/s].
 const PLAUSIBLE_REMOVAL: [(Removed, f64, f64); 2] = [(Removed::Depth, 1e-13, 1e-2), (Removed::Volume, 1e-17, 1e-4)];
 
-/// Refuses quantities that look like another unit.
+/// Refuses quantities that are probably in another unit.
 ///
-/// - `radius`: of the tool [m], where the table gives it
+/// - `radius`: of the tool [m], if the table gives it
 pub(super) fn check(columns: &Columns, rows: &[Row], radius: Option<f64>, file: &Path) -> Result<(), TrialError> {
     let middle = |value: &dyn Fn(&Row) -> Option<f64>| median(rows.iter().filter_map(value).map(f64::abs).collect());
     let load = match columns.load.0 {

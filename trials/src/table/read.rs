@@ -1,4 +1,4 @@
-//! From the cells of the CSV to rows.
+//! Conversion of CSV cells to rows.
 
 use std::path::Path;
 
@@ -10,11 +10,11 @@ use super::missing::Marks;
 use super::{Row, Table, Usage, plausible};
 use crate::trial::{Covariate, Place, Role, TrialError};
 
-/// Rows with a removal that calibrate, at least.
+/// Minimum number of calibration rows with a removal.
 pub(super) const LEAST_ROWS: usize = 4;
-/// Lines that a note names at most.
+/// Maximum number of lines that a note names.
 const NAMED_LINES: usize = 8;
-/// Rows as they are read, with what the order is made from.
+/// Rows in progress, with the data that determine their order.
 pub(super) struct Reading<'a> {
     manifest: &'a Manifest,
     marks: Marks,
@@ -22,16 +22,16 @@ pub(super) struct Reading<'a> {
     pub(super) rows: Vec<Row>,
     /// Text in the order column of each row.
     pub(super) order: Vec<String>,
-    /// Role of each row where a column says it.
+    /// Split of each row, if a column gives it.
     pub(super) roles: Vec<Role>,
     pub(super) others: Vec<Vec<f64>>,
     text: Vec<bool>,
     groups: Vec<String>,
     tools: Vec<String>,
-    /// Why rows, and why removals, are left out.
+    /// Reasons for omitted rows, and for omitted removals.
     bad_rows: Vec<(Place, String)>,
     bad_removals: Vec<(Place, String)>,
-    /// A row with too few cells: forgiven where it is the last one.
+    /// A row with too few cells: accepted only as the last one.
     short: Option<(Place, usize)>,
 }
 
@@ -102,7 +102,7 @@ impl<'a> Reading<'a> {
         )
     }
 
-    /// The row, or the column and the reason for which it cannot be used.
+    /// The row, or the column and the reason why it cannot be used.
     fn row(&mut self, row: &TextRow) -> Result<Result<Row, (usize, String)>, TrialError> {
         let mut settings = Vec::new();
         for numbers in self.columns.settings() {
@@ -135,7 +135,7 @@ impl<'a> Reading<'a> {
         }))
     }
 
-    /// Force [N] and pressure [Pa] as far as they are known.
+    /// Force [N] and pressure [Pa], as far as they are known.
     fn load(&self, load: f64) -> (Option<f64>, Option<f64>) {
         let area = self.manifest.area;
         match self.columns.load.0 {
@@ -237,7 +237,7 @@ impl<'a> Reading<'a> {
         Ok(Some(format!("line {line}, the last one, is cut short after {found} cells and left out")))
     }
 
-    /// Refuses a table of which most is lost, at the first place.
+    /// Refuses a table that loses most of its rows, at the first fault.
     fn check_losses(&self, file: &Path) -> Result<(), TrialError> {
         let lost = self.bad_rows.len() + self.bad_removals.len();
         let known = self.rows.iter().filter(|row| row.removal_rate.is_some()).count();
@@ -270,7 +270,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// A finite number [SI], or why there is none.
+/// A finite number [SI], or the reason why the cell has none.
 fn number(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String> {
     match row.number(numbers.at) {
         Ok(Some(value)) if marks.has(numbers.at, value) => {
@@ -282,12 +282,12 @@ fn number(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String
     }
 }
 
-/// A number as the file has it.
+/// A number as written in the file.
 fn plain(row: &TextRow, at: usize) -> String {
     row.shown(at).trim_matches('"').to_owned()
 }
 
-/// As [`number`], above zero where the quantity must be.
+/// As [`number`], and positive if the quantity must be.
 fn setting(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String> {
     let value = number(numbers, row, marks)?;
     let has_sign = match numbers.key.as_str() {
@@ -299,7 +299,7 @@ fn setting(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, Strin
     if fits { Ok(value) } else { Err(format!("{} is {}, not above zero", numbers.name, plain(row, numbers.at))) }
 }
 
-/// The place of a name in a list, which grows by it.
+/// Index of a name in a list; a new name is appended.
 fn named(list: &mut Vec<String>, name: Option<String>) -> usize {
     let name = name.unwrap_or_default();
     list.iter().position(|known| *known == name).unwrap_or_else(|| {
@@ -324,7 +324,7 @@ fn role(row: &TextRow, at: usize) -> Result<Role, TrialError> {
     }
 }
 
-/// A sentence about rows that are lost.
+/// A sentence about omitted rows.
 fn losses(bad: &[(Place, String)], what: &str) -> Option<String> {
     let line = |(place, why): &(Place, String)| format!("line {} ({why})", place.line.unwrap_or_default());
     let named: Vec<String> = bad.iter().take(NAMED_LINES).map(line).collect();
@@ -332,7 +332,7 @@ fn losses(bad: &[(Place, String)], what: &str) -> Option<String> {
     (!bad.is_empty()).then(|| format!("{} rows are {what}: {}{more}", bad.len(), named.join(", ")))
 }
 
-/// What the table is, in sentences.
+/// Description of the table, in sentences.
 fn understood(manifest: &Manifest, columns: &Columns, table: &Table) -> Vec<String> {
     let of = |numbers: &Numbers| format!("{} from {:?}", numbers.key, numbers.name);
     let given: Vec<String> = columns.settings().chain([&columns.removed]).map(of).collect();

@@ -12,7 +12,7 @@ use super::{Finding, HeldTool, Trial, plausible};
 pub struct Campaign {
     /// The folder.
     pub folder: PathBuf,
-    /// The trials; a tool that is not fresh carries on from the one before.
+    /// The trials; a tool that is not fresh keeps its wear from the previous trial.
     pub trials: Vec<Trial>,
 }
 
@@ -20,7 +20,7 @@ impl Campaign {
     /// Reads a folder of trial folders, or one trial folder.
     ///
     /// # Errors
-    /// [`TrialError`] when no trial is there, or one cannot be read.
+    /// [`TrialError`] if there is no trial, or one cannot be read.
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
         let places = Self::places(folder)?;
         if places == [folder] {
@@ -31,10 +31,10 @@ impl Campaign {
         Self { folder: folder.to_owned(), trials }.checked()
     }
 
-    /// The trial folders in a folder, by name, or the folder itself if it is one.
+    /// Trial folders in a folder, by name, or the folder itself if it is one.
     ///
     /// # Errors
-    /// [`TrialError`] when no trial is there.
+    /// [`TrialError`] if there is no trial.
     pub fn places(folder: &Path) -> Result<Vec<PathBuf>, TrialError> {
         let unreadable = |source| TrialError::Unreadable { file: folder.to_owned(), source };
         if folder.join(TRIAL_FILE).is_file() {
@@ -57,7 +57,7 @@ impl Campaign {
         Ok(places)
     }
 
-    /// Notes of all trials, one sentence each; where there are several trials each begins with its trial's name.
+    /// Notes of all trials, one sentence each; with several trials, each begins with its trial's name.
     pub fn notes(&self) -> Vec<String> {
         let several = self.trials.len() > 1;
         let named =
@@ -65,12 +65,12 @@ impl Campaign {
         self.trials.iter().flat_map(|trial| trial.notes.iter().map(move |note| named(trial, note))).collect()
     }
 
-    /// What the checks of all trials found, for machines.
+    /// Findings of the checks of all trials, machine-readable.
     pub fn findings(&self) -> Vec<Finding> {
         self.trials.iter().flat_map(|trial| trial.findings.iter().cloned()).collect()
     }
 
-    /// A worn tool carries on from the trial before, so that must have used the same tool.
+    /// Checks that a tool that is not fresh is the tool of the previous trial.
     fn checked(mut self) -> Result<Self, TrialError> {
         let tools: Vec<HeldTool> = self.trials.iter().map(|trial| trial.tool.clone()).collect();
         for (k, trial) in self.trials.iter_mut().enumerate().filter(|(_, trial)| !trial.fresh) {

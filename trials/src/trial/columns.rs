@@ -1,5 +1,5 @@
-//! Quantities that a trial gives beside pose, force and speed, and that formulas of effects may read: further columns of
-//! its logs, its temperature, and the values of `[columns]`.
+//! Quantities of a trial for the formulas of effects, besides pose, force and speed: further columns of its logs, its
+//! temperature, and the values of `[columns]`.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,46 +14,46 @@ use super::log::{Log, TEMPERATURE_COLUMN};
 use super::manifest::{ColumnEntry, Manifest, Source, nearest};
 use crate::column_unit::{ColumnUnit, named_unit, split};
 
-/// Columns that formulas may read at most.
+/// Maximum number of columns that formulas may read.
 const MOST_COLUMNS: usize = 200;
 /// Name of the temperature in formulas.
 const TEMPERATURE: &str = "temperature";
 /// Accepted forms of an entry of `[columns]`.
 const ENTRY: &str = "the unit of a column, such as \"%\", or a value with its unit, such as \"45 %\", is expected";
 
-/// A quantity that formulas may read: a state of the tool of its name that never moves of its own follows it.
+/// A quantity for formulas: a state of the tool with the same name and no dynamics of its own follows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialColumn {
     /// Name in formulas.
     pub name: String,
-    /// Unit as the files write it, `1` of a plain number.
+    /// Unit as written in the files, `1` for a plain number.
     pub unit: String,
-    /// Its unit.
+    /// Dimension of the unit.
     pub dimension: Dimension,
-    /// SI value of one such unit, and of zero in the file.
+    /// SI value of one unit, and of the file's zero.
     pub scale: (f64, f64),
-    /// Where the files give it.
+    /// Source of the values in the files.
     pub given: Given,
-    /// Where its name or its unit stands.
+    /// Place of its name or its unit in the files.
     pub place: Place,
-    /// The first place without a number, and what stands there. Such a column cannot be read by formulas.
+    /// The first place without a number, and the text there. Formulas cannot read such a column.
     pub hole: Option<(Place, String)>,
 }
 
-/// Where the files give a quantity.
+/// Source of a quantity in the files.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
     /// One value for the trial [SI].
     Trial(f64),
-    /// The column of this name in its logs.
+    /// The column with this name in its logs.
     Logs(String),
     /// The temperature in its logs.
     Temperature,
 }
 
 impl TrialColumn {
-    /// Values in a pass [SI]: one for each row of its log, or a single one for all. A temperature that was not measured
-    /// in a row is NaN there.
+    /// Values in a pass [SI]: one for each row of its log, or a single one for all. NaN for a temperature that was not
+    /// measured in a row.
     pub fn values(&self, log: &Log) -> Vec<f64> {
         let (unit, zero) = self.scale;
         let si = |values: &[f64]| values.iter().map(|value| value * unit + zero).collect();
@@ -68,7 +68,7 @@ impl TrialColumn {
     }
 }
 
-/// The columns of a trial, and what is to be known of them.
+/// The columns of a trial, and notes on them.
 pub(super) struct Found {
     pub(super) columns: Vec<TrialColumn>,
     pub(super) notes: Vec<String>,
@@ -84,7 +84,7 @@ impl Found {
     /// Finds the columns of a trial.
     ///
     /// # Errors
-    /// An entry of `[columns]` that is no unit of a column and no value, or a unit that is not known.
+    /// An entry of `[columns]` that is neither a unit nor a value, or an unknown unit.
     pub(super) fn new(source: &Source, manifest: &Manifest, logs: &Logs) -> Result<Self, TrialError> {
         let headers = logs.headers();
         let mut all: Vec<TrialColumn> = logs.temperature().into_iter().collect();
@@ -101,7 +101,7 @@ impl Found {
         Ok(found)
     }
 
-    /// Adds a column, unless no state can have its name.
+    /// Adds a column if a state can have its name.
     fn add(&mut self, column: TrialColumn) {
         let name = &column.name;
         let is_variable = Variable::ALL.iter().any(|variable| variable.name() == name);
@@ -123,8 +123,8 @@ fn shown(column: &TrialColumn) -> String {
 }
 
 impl Logs<'_> {
-    /// Names of further columns, in the order in which the logs have them, each with the first pass that has it; the
-    /// first [`MOST_COLUMNS`].
+    /// Names of further columns, in the order of the logs, each with the first pass that has it; at most
+    /// [`MOST_COLUMNS`].
     fn headers(&self) -> Vec<(String, usize)> {
         let mut headers: Vec<(String, usize)> = Vec::new();
         for (pass, Pass { log, .. }) in self.passes.iter().enumerate() {
@@ -139,7 +139,7 @@ impl Logs<'_> {
 
     /// A column of the logs.
     ///
-    /// - `unit`: as `trial.toml` has it; the name ends with it otherwise
+    /// - `unit`: from `trial.toml`; otherwise the suffix of the name
     fn column(&self, header: &str, unit: Option<Unit>, first: usize) -> TrialColumn {
         let place = Place::line(&self.files[first], 1);
         let (stem, end) = named_unit(header);
@@ -157,7 +157,7 @@ impl Logs<'_> {
         }
     }
 
-    /// The first place at which a column has no number.
+    /// Place of the first row in which a column has no number.
     fn hole(&self, header: &str) -> Option<(Place, String)> {
         self.passes.iter().zip(&self.files).find_map(|(pass, file)| {
             match pass.log.covariates.iter().find(|covariate| covariate.name == header) {
@@ -169,7 +169,7 @@ impl Logs<'_> {
         })
     }
 
-    /// The temperature, where any log has it.
+    /// The temperature, if any log has it.
     fn temperature(&self) -> Option<TrialColumn> {
         let first = self.passes.iter().position(|pass| !pass.log.temperature.is_empty())?;
         let unit = Unit::new("degC", Place::line(&self.files[first], 1)).expect("a unit");
@@ -188,7 +188,7 @@ impl Logs<'_> {
     }
 }
 
-/// A unit, as it is written and where.
+/// A unit, with its text and its place in the file.
 struct Unit {
     text: String,
     unit: ColumnUnit,
@@ -201,7 +201,7 @@ impl Unit {
     }
 }
 
-/// The unit that `trial.toml` gives a column of the logs.
+/// The unit in `trial.toml` for a column of the logs.
 fn logged_unit(source: &Source, header: &str, entry: &Spanned<ColumnEntry>) -> Result<Unit, TrialError> {
     let (at, text) = text_of(entry);
     if split(&text).is_some() && text.trim() != "1" {
@@ -245,7 +245,7 @@ fn value(
     })
 }
 
-/// An entry as text; a number is a plain one.
+/// An entry as text; a number has the unit of a plain number.
 fn text_of(entry: &Spanned<ColumnEntry>) -> (Range<usize>, String) {
     let text = match entry.get_ref() {
         ColumnEntry::Text(text) => text.clone(),
@@ -257,7 +257,8 @@ fn text_of(entry: &Spanned<ColumnEntry>) -> (Range<usize>, String) {
 /// Longest name in formulas.
 const LONGEST_NAME: usize = 60;
 
-/// A name as formulas write it: small letters, digits and single underscores; it begins with a letter.
+/// Converts a name to one that formulas accept: lower-case letters, digits and single underscores; it begins with a
+/// letter.
 fn formula_name(name: &str) -> String {
     let letters = name.chars().take(LONGEST_NAME);
     let plain: String = letters.map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect();

@@ -1,4 +1,4 @@
-//! Why a trial cannot be read, and where in which file.
+//! Errors of reading a trial, with their place in the file.
 
 use std::path::PathBuf;
 
@@ -8,31 +8,31 @@ use thiserror::Error;
 
 pub use instruments::Place;
 
-/// The check that a file's content alone fails.
+/// Check name for errors in a single file's content.
 const CONTENT: &str = "content";
 
-/// Why a file of a trial cannot be used.
+/// Error of a file of a trial that cannot be used.
 #[derive(Debug, Error)]
 pub enum TrialError {
-    /// The file system refuses.
+    /// The file or folder cannot be read.
     #[error("{}: cannot be read", file.display())]
     Unreadable {
         /// The file or folder.
         file: PathBuf,
-        /// What the file system said.
+        /// The error of the file system.
         source: std::io::Error,
     },
-    /// No regular file, or one that is too large.
+    /// Not a regular file, or too large.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The content is not what the format says.
+    /// The content does not follow the format.
     #[error("{place}: {found}; {accepted}")]
     Bad {
-        /// Which check found it.
+        /// Name of the check that found it.
         check: &'static str,
-        /// Where.
+        /// Place in the file.
         place: Place,
-        /// The content at that place, quoted as far as an error may.
+        /// The content at that place, quoted as far as an error message allows.
         found: String,
         /// The content that is accepted.
         accepted: String,
@@ -49,7 +49,7 @@ impl From<Misread> for TrialError {
 }
 
 impl TrialError {
-    /// The same as found by a check.
+    /// The same error, attributed to a check.
     pub(super) fn by(self, name: &'static str) -> Self {
         match self {
             Self::Bad { place, found, accepted, .. } => Self::Bad { check: name, place, found, accepted },

@@ -1,10 +1,10 @@
-//! What the checks of a trial found: the same for people and machines.
+//! Findings of a trial's checks, both for messages and machine-readable.
 
 use serde::{Deserialize, Serialize};
 
 use super::error::TrialError;
 
-/// What became of a trial.
+/// Consequence of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
@@ -14,46 +14,46 @@ pub enum Severity {
     Noted,
 }
 
-/// One thing that a check found.
+/// One finding of a check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
-    /// Which check, as `docs/sanity.md` lists them.
+    /// Name of the check, as listed in `docs/sanity.md`.
     pub check: String,
-    /// What became of the trial.
+    /// Consequence for the trial.
     pub severity: Severity,
-    /// Name of the trial; absent of a refused one.
+    /// Name of the trial; absent for a refused one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trial: Option<String>,
-    /// The file; absent where several are meant.
+    /// The file; absent if several are meant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Line of it, from 1.
+    /// Line in the file, from 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<u64>,
     /// Column of that line, from 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub column: Option<u64>,
-    /// What was found, with the gap.
+    /// The problem found, with the gap.
     pub found: String,
-    /// What would be accepted.
+    /// Accepted values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected: Option<String>,
-    /// What the cause may be.
+    /// Possible cause.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guess: Option<String>,
 }
 
-/// A check with its findings; none where it passes.
+/// A check with its findings; empty if it passes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Checked {
-    /// Which check, as `docs/sanity.md` lists them.
+    /// Name of the check, as listed in `docs/sanity.md`.
     pub check: &'static str,
-    /// The refused and the noted.
+    /// Refusals and notes.
     pub findings: Vec<Finding>,
 }
 
 impl Finding {
-    /// The refusal behind an error; `None` where a file could not be read at all.
+    /// The refusal behind an error; `None` if a file could not be read.
     pub fn of(error: &TrialError) -> Option<Self> {
         let TrialError::Bad { check, place, found, accepted } = error else { return None };
         let (expected, guess) = parted(accepted);
@@ -70,7 +70,7 @@ impl Finding {
         })
     }
 
-    /// A note of a check, which may begin with the name of its file.
+    /// A note of a check; the text may begin with the name of its file.
     pub(super) fn noted(check: &str, trial: &str, note: &str) -> Self {
         let named = note.split_once(": ").filter(|(file, _)| file.contains('.') && !file.contains(' '));
         let (file, found) = named.map_or((None, note), |(file, found)| (Some(file.to_owned()), found));
@@ -88,7 +88,7 @@ impl Finding {
     }
 }
 
-/// What is expected, and the guess behind the colon.
+/// Splits a text into the accepted values and the guess after the colon.
 fn parted(accepted: &str) -> (Option<String>, Option<String>) {
     let owned = |text: &str| Some(text.to_owned());
     match accepted.split_once(": ") {

@@ -1,18 +1,18 @@
-//! The place and the clock of a trial's logs in the frame of its scans.
+//! Offset of a trial's logs from the frame of its scans and the clock of its forces.
 
 use glam::{DQuat, DVec2, DVec3};
 
 use super::log::{Log, LogRow};
 use super::{HeldTool, Pass, Trial};
 
-/// Move of logged poses from the robot's frame and clock to those of scans and forces.
+/// Transform of logged poses from the robot's frame and clock to those of scans and forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameOffset {
     /// Shift along x and y [m].
     pub shift: DVec2,
-    /// Turn about z, before the shift [rad].
+    /// Rotation about z, before the shift [rad].
     pub yaw: f64,
-    /// Point about which it turns [m].
+    /// Centre of the rotation [m].
     pub about: DVec2,
     /// Time by which a logged pose is later than the force in its row [s].
     pub lag: f64,
@@ -30,7 +30,7 @@ pub struct FrameErrors {
 }
 
 impl Default for FrameErrors {
-    /// Robot calibration practice, 0.1 to 1 mm, and logging practice, up to 0.2 s (the sources of `path-offset` and
+    /// Typical errors of robot calibration, 0.1 to 1 mm, and of logging, up to 0.2 s (the sources of `path-offset` and
     /// `clock-offset`).
     fn default() -> Self {
         Self { shift: 0.5e-3, yaw: 5e-3, lag: 0.1 }
@@ -38,7 +38,7 @@ impl Default for FrameErrors {
 }
 
 impl FrameOffset {
-    /// This move and a further one. Turns are small: their products with shifts do not count.
+    /// The composition of this transform and a further one. Angles are small: their products with shifts are neglected.
     #[must_use]
     pub fn and(&self, more: &Self) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl FrameOffset {
         }
     }
 
-    /// A log with its poses moved; forces and all other columns stay at their times.
+    /// Transforms the poses of a log; forces and all other columns keep their times.
     pub fn of_log(&self, log: &Log) -> Log {
         let turn = DQuat::from_rotation_z(self.yaw);
         let about = self.about.extend(0.0);
@@ -61,7 +61,7 @@ impl FrameOffset {
         Log { rows: log.rows.iter().map(row).collect(), ..log.clone() }
     }
 
-    /// A trial as it was read, with the logs of all passes moved.
+    /// Transforms the logs of all passes of a trial as it was read.
     pub fn of_trial(&self, trial: &Trial) -> Trial {
         let turn = DQuat::from_rotation_z(self.yaw);
         let moved =
@@ -74,14 +74,15 @@ impl FrameOffset {
         }
     }
 
-    /// A tool with its axis turned.
+    /// Rotates the axis of a tool.
     pub fn of_tool(&self, tool: &HeldTool) -> HeldTool {
         let axis = tool.axis.map(|axis| DQuat::from_rotation_z(self.yaw) * axis);
         HeldTool { axis, ..tool.clone() }
     }
 }
 
-/// Position and approach axis at a time, straight between rows and on beyond the ends; those of `own` at its own time.
+/// Position and approach axis at a time, linear between rows and extrapolated beyond the ends; those of `own` at its
+/// own time.
 fn pose_at(rows: &[LogRow], own: &LogRow, time: f64) -> (DVec3, DVec3) {
     if time == own.time || rows.len() < 2 {
         return (own.position, own.approach);

@@ -1,4 +1,4 @@
-//! The log of a pass: what robot, force sensor and drive reported, row by row.
+//! The log of a pass: readings of robot, force sensor and drive, row by row.
 
 use files::input::quoted_names;
 use std::path::Path;
@@ -12,7 +12,7 @@ use super::scan::Read;
 
 /// Columns that every log has.
 pub const REQUIRED_COLUMNS: [&str; 6] = ["t_s", "x_mm", "y_mm", "z_mm", "force_n", "spindle_rpm"];
-/// Columns of the approach axis where it is not +z.
+/// Columns of the approach axis, if it is not +z.
 pub const APPROACH_COLUMNS: [&str; 3] = ["nx", "ny", "nz"];
 /// Column of a pyrometer.
 pub const TEMPERATURE_COLUMN: &str = "temperature_c";
@@ -25,19 +25,19 @@ pub const RPM: f64 = std::f64::consts::TAU / 60.0;
 /// One row of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogRow {
-    /// Time as the controller's clock says [s].
+    /// Time of the controller's clock [s].
     pub time: f64,
-    /// Wheel's centre or centre of the pad's face [m].
+    /// Centre of a wheel or of a pad's face [m].
     pub position: DVec3,
-    /// Normal force as the sensor reports it [N].
+    /// Normal force reported by the sensor [N].
     pub force: f64,
-    /// Spindle speed as the drive reports it [rad/s].
+    /// Spindle speed reported by the drive [rad/s].
     pub spindle_speed: f64,
     /// Approach axis, unit, out of the part.
     pub approach: DVec3,
 }
 
-/// A column that the format does not know, kept as a covariate.
+/// A column unknown to the format, kept as a covariate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Covariate {
     /// Name in the file's header.
@@ -49,20 +49,20 @@ pub struct Covariate {
     pub hole: Option<u64>,
 }
 
-/// A whole log; times increase strictly.
+/// A complete log; times increase strictly.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Log {
     /// Rows in order of time.
     pub rows: Vec<LogRow>,
-    /// Whether the file gives the approach axis; otherwise it is +z.
+    /// True if the file gives the approach axis; otherwise it is +z.
     pub has_approach: bool,
-    /// Temperature [°C] per row, NaN where not measured; empty without a pyrometer.
+    /// Temperature [°C] per row, NaN if not measured; empty without a pyrometer.
     pub temperature: Vec<f64>,
-    /// Other columns in the order of the file.
+    /// Other columns, in the order of the file.
     pub covariates: Vec<Covariate>,
 }
 
-/// Where each column stands in the file.
+/// Index of each column in the file.
 struct Columns {
     count: usize,
     required: [usize; 6],
@@ -71,12 +71,12 @@ struct Columns {
     others: Vec<(usize, String)>,
 }
 
-/// What stands in a log's rows until they are a log.
+/// Contents of a log's rows while reading.
 struct Reading {
     columns: Columns,
     log: Log,
     others: Vec<Covariate>,
-    /// Columns in which text was found.
+    /// True for columns that contain text.
     text: Vec<bool>,
     repeated: usize,
     cut: Option<(u64, usize)>,
@@ -85,7 +85,7 @@ struct Reading {
 /// Reads a log.
 ///
 /// # Errors
-/// [`TrialError`] with line and column: a missing column, a cell that is no number, a clock that runs backwards.
+/// [`TrialError`] with line and column: a missing column, a cell that is not a number, a clock that runs backwards.
 pub fn read_log(file: &Path) -> Result<Read<Log>, TrialError> {
     let table = TextTable::read(file)?;
     let mut reading: Option<Reading> = None;
@@ -184,7 +184,7 @@ impl Reading {
     fn approach(&self, row: &TextRow) -> Result<DVec3, TrialError> {
         let Some([x, y, z]) = self.columns.approach else { return Ok(DVec3::Z) };
         let axis = DVec3::new(finite(row, x)?, finite(row, y)?, finite(row, z)?);
-        // A tenth is far beyond rounding: these columns then hold something else.
+        // A tenth is far beyond rounding: such columns hold something else.
         if (axis.length() - 1.0).abs() > 0.1 {
             return Err(row.place(x).bad(format!("an approach axis {axis}"), "a unit vector is expected"));
         }

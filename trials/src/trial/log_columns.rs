@@ -1,4 +1,4 @@
-//! A log whose columns `[log.columns]` of `trial.toml` names: any file of channels as a [`Log`].
+//! Conversion of any file of channels to a [`Log`], with the column names of `[log.columns]` in `trial.toml`.
 
 use std::ops::Range;
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::manifest::{ChannelEntry, LogTable, Source, nearest};
 use super::scan::Read;
 use crate::column_unit::ColumnUnit;
 
-/// A quantity that a channel gives: its key in `[log.columns]`, the unit where none is given, and its dimension in kilograms,
+/// A quantity that a channel gives: its key in `[log.columns]`, its default unit, and its dimension in kilograms,
 /// metres, seconds and kelvins.
 struct Quantity {
     key: &'static str,
@@ -54,7 +54,7 @@ pub(super) struct LogColumns<'a> {
     table: &'a LogTable,
 }
 
-/// One pass's log under way: its channels in SI, by the order of [`QUANTITIES`].
+/// Log of one pass in progress: its channels in SI, in the order of [`QUANTITIES`].
 struct Resolved<'a> {
     channels: &'a Channels,
     values: Vec<Option<Vec<f64>>>,
@@ -62,10 +62,10 @@ struct Resolved<'a> {
 }
 
 impl<'a> LogColumns<'a> {
-    /// The columns as a table names them.
+    /// Resolves the columns that a table names.
     ///
     /// # Errors
-    /// A key that is no quantity, a needed one that is missing, or a unit that is none of its quantity.
+    /// An unknown key, a missing required one, or a unit of the wrong dimension.
     pub(super) fn new(source: &'a Source, table: &'a LogTable) -> Result<Self, TrialError> {
         let keys = || QUANTITIES.iter().map(|quantity| quantity.key);
         for (key, entry) in &table.columns {
@@ -83,10 +83,10 @@ impl<'a> LogColumns<'a> {
 
     /// Reads a log.
     ///
-    /// - `spindle_speed`: that of the pass [rad/s], for logs without one
+    /// - `spindle_speed`: that of the pass [rad/s], for logs without a spindle speed
     ///
     /// # Errors
-    /// [`TrialError`] with the place: a file that is no log, a channel that it lacks, a clock that runs backwards.
+    /// [`TrialError`] with the place: a file that is not a log, a missing channel, a clock that runs backwards.
     pub(super) fn read(&self, file: &Path, spindle_speed: Option<f64>) -> Result<Read<Log>, TrialError> {
         let bytes = input::read(file, MOST_TABLE_BYTES)?;
         let channels = instruments::log::read(file, &bytes)?;
@@ -107,7 +107,7 @@ impl<'a> LogColumns<'a> {
         Ok(log)
     }
 
-    /// The unit of a quantity where the table gives the quantity.
+    /// The unit of a quantity, if the table gives the quantity.
     fn unit(&self, quantity: &Quantity) -> Result<Option<ColumnUnit>, TrialError> {
         let Some(entry) = self.table.columns.get(quantity.key) else {
             if quantity.is_needed {
@@ -131,7 +131,7 @@ impl<'a> LogColumns<'a> {
         Ok(Some(unit))
     }
 
-    /// Place and SI values of the channel of a quantity; `None` where the table does not give it.
+    /// Index and SI values of a quantity's channel; `None` if the table does not give it.
     fn channel(
         &self,
         quantity: &Quantity,
@@ -167,7 +167,7 @@ impl<'a> LogColumns<'a> {
         Place::file(file).bad(found, format!("one of both is needed; the log has the columns {names}"))
     }
 
-    /// Moves the tool from the frame of the log to that of the scans.
+    /// Transforms the tool's positions from the frame of the log to that of the scans.
     fn place(&self, log: &mut Log) {
         let offset = DVec3::from_array(self.table.offset_mm.unwrap_or_default()) * 1e-3;
         let turn = glam::DQuat::from_rotation_z(self.table.yaw_deg.unwrap_or_default().to_radians());
@@ -181,7 +181,7 @@ impl<'a> LogColumns<'a> {
     }
 }
 
-/// Values of a channel that is late by `lag` [s], at the times that they belong to; NaN beyond the ends.
+/// Values of a channel with a delay of `lag` [s], moved to their true times; NaN beyond the ends.
 fn earlier(times: &[f64], values: &[f64], lag: f64) -> Vec<f64> {
     let at = |time: f64| {
         let after = times.partition_point(|own| *own < time);
@@ -240,7 +240,7 @@ impl Resolved<'_> {
         Ok(Read { content: log, notes: self.notes((holes, repeated)) })
     }
 
-    /// Channels that are no quantity of a pass.
+    /// Channels that are not quantities of a pass.
     fn others(&self, kept: &[usize]) -> Vec<Covariate> {
         let channels = self.channels;
         let other = |at: usize| {

@@ -1,4 +1,4 @@
-//! `trial.toml` as it stands in the file, in its units.
+//! Contents of `trial.toml`, in its units.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,7 +20,7 @@ pub const TRIAL_FORMAT: &str = "finishing-trial/1";
 /// Name of the file that makes a folder a trial.
 pub const TRIAL_FILE: &str = "trial.toml";
 
-/// The table whose keys are names of the user's own.
+/// The table with user-defined keys.
 const COLUMNS: &str = "columns";
 /// Known keys of each other table.
 const KEYS: [(&str, &[&str]); 8] = [
@@ -34,14 +34,14 @@ const KEYS: [(&str, &[&str]); 8] = [
     ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
 ];
 
-/// What a pass may be used for.
+/// Split of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Fitting.
+    /// Calibration: the pass is fitted.
     #[default]
     Calibration,
-    /// Judging only.
+    /// Evaluation: the pass is held out.
     Evaluation,
 }
 
@@ -89,14 +89,14 @@ pub(super) enum ColumnEntry {
     Number(f64),
 }
 
-/// Columns and frame of logs that are not in the format's own.
+/// Columns and frame of logs in other formats than the project's own.
 #[derive(Debug, Deserialize)]
 pub(super) struct LogTable {
     /// The channel of each quantity.
     pub(super) columns: BTreeMap<String, Spanned<ChannelEntry>>,
-    /// Place of the log's zero in the frame of the scans.
+    /// Position of the log's origin in the frame of the scans.
     pub(super) offset_mm: Option<[f64; 3]>,
-    /// Turn of the log's frame about z, before the offset.
+    /// Rotation of the log's frame about z, before the offset.
     pub(super) yaw_deg: Option<f64>,
 }
 
@@ -108,19 +108,19 @@ pub(super) struct RobotTable {
     pub(super) clock_sigma_s: Option<Spanned<f64>>,
 }
 
-/// A channel of a log: its name, and where given its unit, sign, gain, zero and delay.
+/// A channel of a log: its name and, if given, its unit, sign, gain, zero and delay.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(from = "ChannelText")]
 pub(super) struct ChannelEntry {
     pub(super) column: String,
     unit: Option<String>,
-    /// −1 turns the values round.
+    /// −1 inverts the values.
     pub(super) sign: Option<f64>,
-    /// True change by change of the reading.
+    /// True change per change of the reading.
     pub(super) gain: Option<f64>,
-    /// Reading at nothing, in the file's unit.
+    /// Reading at zero load, in the file's unit.
     pub(super) zero: Option<f64>,
-    /// Time by which the reading is late.
+    /// Delay of the reading.
     pub(super) lag_s: Option<f64>,
 }
 
@@ -151,7 +151,7 @@ impl From<ChannelText> for ChannelEntry {
 }
 
 impl ChannelEntry {
-    /// The unit of its values, where it is given.
+    /// The unit of its values, if given.
     pub(super) fn unit(&self) -> Option<&str> {
         self.unit.as_deref()
     }
@@ -224,7 +224,7 @@ pub(super) struct PassTable {
     pub(super) direction: Option<Spanned<[f64; 3]>>,
 }
 
-/// The text of a `trial.toml` or `table.toml`, for errors that name a place in it.
+/// The text of a `trial.toml` or `table.toml`, for errors with a place in it.
 pub(crate) struct Source {
     pub(crate) file: PathBuf,
     pub(crate) text: String,
@@ -244,7 +244,7 @@ impl Source {
         Ok(Self { file, text })
     }
 
-    /// The manifest in the text.
+    /// Parses the manifest.
     pub(super) fn manifest(&self) -> Result<Manifest, TrialError> {
         self.check_keys()?;
         let manifest: Manifest = toml::from_str(&self.text).map_err(|error| self.toml_error(&error))?;
@@ -255,12 +255,12 @@ impl Source {
         Ok(manifest)
     }
 
-    /// The error that something else was expected at a span of the text.
+    /// An error at a span of the text: the value found and the values accepted.
     pub(crate) fn bad(&self, at: Range<usize>, found: impl Into<String>, accepted: impl Into<String>) -> TrialError {
         Place::of_byte(&self.file, &self.text, at.start).bad(found, accepted)
     }
 
-    /// The place of a file that the text names.
+    /// The path of a file that the text names.
     pub(crate) fn named(&self, folder: &Path, name: &Spanned<PathBuf>) -> Result<PathBuf, TrialError> {
         let shown = || folder.join(name.get_ref()).display().to_string();
         named_file::place(folder, name.get_ref()).map_err(|absent| match absent {
@@ -284,7 +284,7 @@ impl Source {
         }
     }
 
-    /// Refuses keys that the format does not know, and names the nearest one that it does.
+    /// Refuses unknown keys, and names the nearest known one.
     fn check_keys(&self) -> Result<(), TrialError> {
         let table = DeTable::parse(&self.text).map_err(|error| self.toml_error(&error))?;
         self.check_table("", table.get_ref())?;
@@ -323,7 +323,7 @@ impl Source {
     }
 }
 
-/// The candidate that a mistyped word most likely means, if any is near.
+/// The candidate that a mistyped word most likely means, if any is close.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |candidate: &str| {
         let (a, b) = (word.to_lowercase(), candidate.to_lowercase());

@@ -1,9 +1,8 @@
-//! Trials: workpieces that were scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
+//! Trials: workpieces that are scanned, finished in passes, and scanned after each pass (`finishing-trial/1`).
 //!
-//! The road of the data: [`Campaign::read`] finds the trial folders, [`Trial::read`] reads `trial.toml` (`manifest`),
-//! each scan by its content (`scan`) and each log (`log`), finds the
-//! quantities that formulas may read (`columns`), and checks that
-//! they fit each other (`plausible`). All is SI here; millimetres stay in the files.
+//! Flow of the data: [`Campaign::read`] finds the trial folders. [`Trial::read`] reads `trial.toml` (`manifest`), each
+//! scan by its content (`scan`) and each log (`log`), finds the quantities for formulas (`columns`), and checks that
+//! the files are consistent (`plausible`). All is SI here; millimetres stay in the files.
 
 mod campaign;
 mod columns;
@@ -44,17 +43,17 @@ pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
-/// A tool as the robot holds it.
+/// A tool as mounted on the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldTool {
     /// Its shape.
     pub shape: Tool,
-    /// A wheel's axis, unit; `None` for a tool that turns about the approach axis.
+    /// A wheel's axis, unit; `None` for a tool that spins about the approach axis.
     pub axis: Option<DVec3>,
 }
 
 impl HeldTool {
-    /// A cylinder of a radius and a width [m] that turns about an axis.
+    /// A cylinder of a radius and a width [m] that spins about an axis.
     pub fn wheel(radius: f64, width: f64, axis: DVec3) -> Self {
         Self { shape: Wheel::cylinder(radius, width).into(), axis: Some(axis) }
     }
@@ -64,18 +63,18 @@ impl HeldTool {
         Self { shape: Pad { radius }.into(), axis: None }
     }
 
-    /// Half of what the tool covers across its feed [m]: a map continued that far has no edge under it.
+    /// Half the tool's width across its feed [m]: a map extended by that much has no edge under the tool.
     pub fn half_width(&self) -> f64 {
         0.5 * self.shape.width()
     }
 }
 
-/// The workpiece before the first pass.
+/// Scans of the workpiece before the first pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scans {
     /// Surface before the first pass.
     pub before: HeightMap,
-    /// The same surface scanned again.
+    /// Repeated scans of the same surface.
     pub repeats: Vec<HeightMap>,
     /// Material of each pixel.
     pub material: Option<LabelMap>,
@@ -87,31 +86,31 @@ impl Scans {
         self.repeats.first().map_or_else(|| self.before.clone(), |repeat| unlike_repeat(&self.before, repeat))
     }
 
-    /// The surface before the first pass without any spikes.
+    /// The surface before the first pass without its spikes.
     pub fn clean_before(&self) -> HeightMap {
         despiked(&self.checked_before()).0
     }
 }
 
-/// What was seen after a pass.
+/// Scan after a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PassScan {
     /// The ground surface.
     Heights(HeightMap),
-    /// Where sanding went through the coating.
+    /// Exposure after sanding.
     Exposure(ExposureMask),
 }
 
 /// One pass of the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
-    /// What robot, sensor and drive reported.
+    /// Readings of robot, sensor and drive.
     pub log: Log,
-    /// What was seen afterwards.
+    /// Scan after the pass.
     pub scan: PassScan,
-    /// Whether it may be fitted.
+    /// Split: calibration or evaluation.
     pub role: Role,
-    /// Force that the controller should hold [N].
+    /// Setpoint of the controller [N].
     pub force_setpoint: f64,
     /// Speed along the path [m/s].
     pub feed: f64,
@@ -121,7 +120,7 @@ pub struct Pass {
     pub direction: DVec3,
 }
 
-/// The force that a trial's controller holds.
+/// Source of the controller's setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ForceInput {
     /// The setpoint of each pass.
@@ -134,34 +133,34 @@ pub enum ForceInput {
 /// A trial with all its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Where it was read.
+    /// Folder from which it was read.
     pub folder: PathBuf,
     /// Its name.
     pub name: String,
-    /// What the tool does.
+    /// Process: grinding or sanding.
     pub process: Process,
     /// The tool.
     pub tool: HeldTool,
-    /// Whether the tool was dressed or new before the first pass; otherwise it carries on from the trial before.
+    /// True if the tool was dressed or new before the first pass; otherwise it keeps its wear from the previous trial.
     pub fresh: bool,
-    /// The workpiece before.
+    /// Scans of the workpiece before the first pass.
     pub scans: Scans,
-    /// Controller of the force; a replay of the logged z where the files name none.
+    /// Force controller; a replay of the logged z if the files name none.
     pub controller: Controller,
-    /// The force that the controller holds.
+    /// Source of the controller's setpoint.
     pub force_input: ForceInput,
     /// Prior standard deviations of the errors of the robot's frame and clock.
     pub frame_errors: FrameErrors,
-    /// By how much the logs were moved since they were read.
+    /// Transform that was applied to the logs since they were read.
     pub frame_offset: FrameOffset,
     /// Thickness of the coating [m].
     pub coating: Option<f64>,
     /// Passes in order of time.
     pub passes: Vec<Pass>,
-    /// Quantities that formulas may read beside pose, force and speed.
+    /// Quantities for formulas, besides pose, force and speed.
     pub columns: Vec<TrialColumn>,
-    /// What was understood of the files where it was not the plain case, one sentence each.
+    /// Notes on the interpretation of unusual files, one sentence each.
     pub notes: Vec<String>,
-    /// Those of the notes that checks of the files against each other made, for machines.
+    /// The notes that come from consistency checks, machine-readable.
     pub findings: Vec<Finding>,
 }

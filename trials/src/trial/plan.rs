@@ -1,4 +1,4 @@
-//! Writing trials that are planned: what to do, and the names of the files to measure.
+//! Writing of planned trials: the passes to run, and the names of the files to measure.
 
 use std::fs;
 use std::path::Path;
@@ -9,18 +9,18 @@ use super::Trial;
 use super::manifest::TRIAL_FILE;
 use super::write::{log_csv, log_header, manifest_of};
 
-/// Names of the files that a plan has; `*` stands for the number of a pass. Measured files have other names.
+/// Names of a plan's files; `*` stands for the number of a pass. Measured files have other names.
 pub const PLAN_NAMES: &[&str] = &[TRIAL_FILE, "pass*_path.csv", "pass*_log_template.csv"];
 
-/// Writes a planned trial into a folder that exists: `trial.toml`, and for each pass its way with force and spindle speed in the
-/// columns of a log (`pass1_path.csv`) and the first line of its log (`pass1_log_template.csv`). Once the scans and logs that
-/// `trial.toml` names are in the folder, [`Trial::read`] reads it.
+/// Writes a planned trial into an existing folder: `trial.toml`, and for each pass its path with force and spindle
+/// speed in the columns of a log (`pass1_path.csv`) and the header of its log (`pass1_log_template.csv`). Once the
+/// scans and logs that `trial.toml` names are in the folder, [`Trial::read`] reads it.
 ///
 /// - `trial`: without heights, masks and labels
-/// - `remarks`: comments at the head of `trial.toml`, a line each
+/// - `remarks`: comments at the top of `trial.toml`, one line each
 ///
 /// # Errors
-/// When a file cannot be written.
+/// A file that cannot be written.
 pub fn write_plan(trial: &Trial, remarks: &[String], folder: &Path) -> Result<(), FileError> {
     let manifest = manifest_of(trial);
     let put = |name: &str, text: &str| {
@@ -46,10 +46,10 @@ mod tests {
     use robot::Controller;
     use sdf_bake::{HeightMap, PixelGrid};
 
-    /// A wheel that comes down on a plate of 40 by 20 mm, is fed for 20 mm and rises.
+    /// A wheel that descends on a plate of 40 by 20 mm, moves 20 mm and rises.
     fn trial() -> Trial {
         let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 80, ny: 40 };
-        // Scans of a micrometre of noise; the pass takes ten off.
+        // Scans with a micrometre of noise; the pass removes ten.
         let scan = |number: usize, depth: f64| {
             let noise = |at: usize| 1e-6 * ((7919 * at + 104_729 * number) as f64).sin();
             let cut = |at: usize| if (18..=62).contains(&(at % 80)) { depth } else { 0.0 };

@@ -1,4 +1,4 @@
-//! A log as the path of the tool: poses with times, when the tool touched, how fast it went.
+//! A log as the path of the tool: poses over time, contact, feed.
 
 use glam::DVec3;
 
@@ -6,25 +6,25 @@ use super::log::{Log, LogRow};
 use super::{HeldTool, Pass};
 use crate::measure::{MAD_TO_SIGMA, median};
 
-/// Robust standard deviations of the force's noise that count as contact.
+/// Force above noise that counts as contact [robust standard deviations].
 pub(super) const NOISE_SIGMAS: f64 = 5.0;
-/// Shares of the setpoint between which the threshold of contact lies.
+/// Range of the contact threshold, as shares of the setpoint.
 const CONTACT_SHARE: (f64, f64) = (0.05, 0.5);
-/// Rows in a row above the threshold that make a contact.
+/// Number of consecutive rows above the threshold that make a contact.
 const CONTACT_ROWS: usize = 3;
-/// Median periods without a row that make a jump of the clock.
+/// Length of a gap between rows that counts as a jump of the clock [median periods].
 const JUMP_PERIODS: f64 = 5.0;
 
-/// Where the tool was at a time.
+/// Pose of the tool at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolPose {
-    /// Since the first row [s].
+    /// Time since the first row [s].
     pub time: f64,
-    /// Wheel's centre or centre of the pad's face [m].
+    /// Centre of a wheel or of a pad's face [m].
     pub centre: DVec3,
     /// Approach axis, unit, out of the part.
     pub approach: DVec3,
-    /// Axis about which the tool turns, unit: the wheel's, across the approach axis; the pad's is the approach axis.
+    /// Axis about which the tool spins, unit: the wheel's, across the approach axis; a pad's is the approach axis.
     pub axis: DVec3,
     /// Logged force [N].
     pub force: f64,
@@ -32,7 +32,7 @@ pub struct ToolPose {
     pub spindle_speed: f64,
 }
 
-/// When the tool touched, since the first row.
+/// Interval of contact, since the first row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// First contact [s].
@@ -41,14 +41,14 @@ pub struct Contact {
     pub end: f64,
 }
 
-/// A stretch without rows.
+/// A gap between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClockJump {
-    /// Row after the stretch.
+    /// Index of the row after the gap.
     pub row: usize,
     /// Its time since the first row [s].
     pub time: f64,
-    /// Length of the stretch [s].
+    /// Length of the gap [s].
     pub gap: f64,
 }
 
@@ -57,24 +57,24 @@ pub struct ClockJump {
 pub struct ToolPath {
     /// One pose per row, times from 0 and increasing.
     pub poses: Vec<ToolPose>,
-    /// When the tool touched; `None` if it never did.
+    /// Interval of contact; `None` if the tool never touched.
     pub contact: Option<Contact>,
-    /// Median speed across the approach axis while moving [m/s].
+    /// Median speed across the approach axis in motion [m/s].
     pub feed: f64,
-    /// Stretches without rows, in order.
+    /// Gaps between rows, in order.
     pub jumps: Vec<ClockJump>,
 }
 
-/// How the tool moved over a whole log.
+/// Motion of the tool over a whole log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
-    /// Median speed across the approach axis while moving [m/s].
+    /// Median speed across the approach axis in motion [m/s].
     pub(super) feed: f64,
-    /// From the first to the last row, unit; +x where the tool returned.
+    /// Direction from the first to the last row, unit; +x if the tool returned.
     pub(super) direction: DVec3,
     /// Median spindle speed [rad/s].
     pub(super) spindle_speed: f64,
-    /// Median force while the tool presses [N]: of the rows above half of what one in twenty exceeds.
+    /// Median force in contact [N]: of the rows above half of the 95th percentile.
     pub(super) force: f64,
 }
 
@@ -99,7 +99,7 @@ impl ToolPath {
         self.poses.last().map_or(0.0, |pose| pose.time)
     }
 
-    /// The pose at a time [s], straight between rows and held at the ends.
+    /// The pose at a time [s], linear between rows and constant beyond the ends.
     pub fn at(&self, time: f64) -> ToolPose {
         let after = self.poses.partition_point(|pose| pose.time < time).clamp(1, self.poses.len() - 1);
         let (a, b) = (&self.poses[after - 1], &self.poses[after]);
@@ -128,7 +128,7 @@ fn pose(row: &LogRow, tool: &HeldTool, start: f64) -> ToolPose {
     }
 }
 
-/// From the first to the last run of rows whose force is above the noise.
+/// Interval from the first to the last run of rows whose force exceeds the noise.
 fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
     let noise = force_noise(poses.iter().map(|pose| pose.force));
     let threshold = (NOISE_SIGMAS * noise).clamp(CONTACT_SHARE.0 * force_setpoint, CONTACT_SHARE.1 * force_setpoint);
@@ -138,7 +138,7 @@ fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
     Some(Contact { start: poses[first].time, end: poses[last].time })
 }
 
-/// Robust standard deviation of the noise of forces in a row [N].
+/// Robust standard deviation of the noise of consecutive forces [N].
 pub(super) fn force_noise(forces: impl Iterator<Item = f64> + Clone) -> f64 {
     let steps = forces.clone().zip(forces.skip(1)).map(|(now, next)| (next - now).abs());
     // The difference of two rows has twice the variance of one.
@@ -169,7 +169,7 @@ impl Motion {
     }
 }
 
-/// Median of the values above half of what one in twenty exceeds: of a speed while moving, of a force while pressing.
+/// Median of the values above half of the 95th percentile: of a speed in motion, of a force in contact.
 fn usual(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let high = values.get(values.len() * 19 / 20).copied().unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! Reading a trial folder: `trial.toml` first, then every file it names, then whether they fit each other.
+//! Reading of a trial folder: `trial.toml`, then every file it names, then the consistency checks.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,10 +20,10 @@ use effects::Process;
 use robot::Controller;
 
 impl Trial {
-    /// Reads a trial folder completely and checks that its files fit each other.
+    /// Reads a trial folder completely and checks that its files are consistent.
     ///
     /// # Errors
-    /// [`TrialError`] with file, line and column, what was found and what would be accepted.
+    /// [`TrialError`] with file, line and column, the value found and the values accepted.
     pub fn read(folder: &Path) -> Result<Self, TrialError> {
         let source = Source::read(folder.join(TRIAL_FILE))?;
         let manifest = source.manifest()?;
@@ -32,10 +32,10 @@ impl Trial {
         Ok(trial)
     }
 
-    /// Reads a trial folder as [`Trial::read`] does, and tells all that the checks find, the refused too.
+    /// Reads a trial folder as [`Trial::read`] does, and returns all findings of the checks, refusals included.
     ///
     /// # Errors
-    /// [`TrialError`] where a file cannot be read.
+    /// [`TrialError`] if a file cannot be read.
     pub fn checked(folder: &Path) -> Result<(Self, Vec<Checked>), TrialError> {
         let source = Source::read(folder.join(TRIAL_FILE))?;
         let manifest = source.manifest()?;
@@ -45,30 +45,30 @@ impl Trial {
     }
 }
 
-/// Radius and width of a tool that are accepted [mm], as the flags of `robofin simulate` have them.
+/// Accepted range of a tool's radius and width [mm], as in the flags of `robofin simulate`.
 const TOOL_MM: [f64; 2] = [0.1, 1000.0];
-/// Thickness of a coating that is accepted [mm]: a tenth of a micrometre, and that of a layer of filler.
+/// Accepted range of a coating's thickness [mm]: a tenth of a micrometre, and that of a layer of filler.
 const COATING_MM: [f64; 2] = [1e-4, 10.0];
-/// Periods of a controller that are accepted [s]: a hundred times faster than robots are, and once a second.
+/// Accepted range of a controller's period [s]: a hundred times faster than robots, and once per second.
 const PERIOD_S: [f64; 2] = [1e-5, 1.0];
-/// Standard deviations of a robot's frame [mm, mrad] and clock [s] that are accepted; 0 is exact.
+/// Maximum standard deviations of a robot's frame [mm, mrad] and clock [s]; 0 is exact.
 const FRAME_SIGMAS: [f64; 3] = [100.0, 200.0, 10.0];
-/// Passes of a trial that are accepted; each takes seconds.
+/// Maximum number of passes of a trial; each takes seconds.
 const MOST_PASSES: usize = 1000;
-/// Pixels of all scans of a trial that are accepted: 4 GB.
+/// Maximum number of pixels of all scans of a trial: 4 GB.
 const MOST_PIXELS: f64 = 5e8;
 
-/// Settings with which the files of every pass are read.
+/// Settings for reading the files of every pass.
 struct PassForm<'a> {
     process: Process,
-    /// Of the scan before.
+    /// Pixels of the scan before.
     pixels: &'a PixelGrid,
     frame: ScanFrame,
-    /// Columns of logs that are not the format's own.
+    /// Columns of logs in other formats than the project's own.
     columns: Option<&'a LogColumns<'a>>,
 }
 
-/// The force that the controller of a manifest holds.
+/// The source of the controller's setpoint in a manifest.
 fn force_input(manifest: &Manifest) -> ForceInput {
     match manifest.controller.as_ref().map(|table| table.get_ref().kind) {
         Some(ControllerKind::LoggedForce) => ForceInput::Log,
@@ -118,7 +118,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Prior standard deviations of frame and clock from a manifest; defaults for keys that are absent.
+    /// Prior standard deviations of frame and clock from a manifest; defaults for absent keys.
     fn frame_errors(&self, table: Option<&RobotTable>) -> Result<FrameErrors, TrialError> {
         let usual = FrameErrors::default();
         let Some(RobotTable { frame_sigma_mm, yaw_sigma_mrad, clock_sigma_s }) = table else { return Ok(usual) };
@@ -141,7 +141,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What formulas may read beside pose, force and speed.
+    /// Quantities for formulas, besides pose, force and speed.
     fn columns(&mut self, manifest: &Manifest, passes: &[Pass]) -> Result<Vec<TrialColumn>, TrialError> {
         let files = manifest.pass.iter().map(|table| self.folder.join(table.log.get_ref())).collect();
         let found = Found::new(self.source, manifest, &Logs { passes, files })?;
@@ -149,7 +149,7 @@ impl Reader<'_> {
         Ok(found.columns)
     }
 
-    /// Refuses more passes, or more pixels in all their scans, than a computer can hold.
+    /// Refuses more passes, or more pixels in all their scans, than fit into memory.
     fn check_size(&self, manifest: &Manifest, pixels: &PixelGrid) -> Result<(), TrialError> {
         let passes = manifest.pass.len();
         let place = || Place::file(&self.source.file);
@@ -226,7 +226,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A controller that holds its force at every time; keys of a mass and a damping are not its own.
+    /// A controller without inertia; keys of mass and damping are refused.
     fn without_inertia(&self, table: &Spanned<ControllerTable>) -> Result<Controller, TrialError> {
         let ControllerTable { mass_kg, damping_ns_m, period_s, .. } = table.get_ref();
         let given = [("mass_kg", mass_kg), ("damping_ns_m", damping_ns_m), ("period_s", period_s)];
@@ -298,7 +298,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The force that a pass holds [N]: as it is given, or as the log has it while the tool presses.
+    /// Setpoint of a pass [N]: the given value, or the logged force in contact.
     fn force_setpoint(&self, table: &PassTable, logged: f64) -> Result<f64, TrialError> {
         match &table.force_setpoint_n {
             Some(given) => self.positive("force_setpoint_n", given),
@@ -311,7 +311,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Says which numbers of a pass are taken from its log.
+    /// Adds a note on the values of a pass that are taken from its log.
     fn note_missing(&mut self, table: &PassTable) {
         for (key, is_given) in [
             ("force_setpoint_n", table.force_setpoint_n.is_some()),

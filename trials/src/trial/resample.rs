@@ -1,12 +1,12 @@
-//! Maps with pixels of their own on those of another scan.
+//! Resampling of maps at the pixels of another scan.
 
 use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
-/// Share of a pixel by which pixels may differ that are the same.
+/// Difference up to which two pixels are the same [pixels].
 const SAME: f64 = 1e-6;
 
-/// A map whose pixels may be longer one way than the other.
+/// A map whose pixels may have different pitches along x and y.
 pub(super) struct Placed {
     /// x, y of the first pixel [m].
     pub(super) origin: DVec2,
@@ -19,7 +19,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Square pixels over the same area: as long as the longer side, so that nothing is shown finer than it was seen.
+    /// Square pixels over the same area, with the larger of the two pitches, so that the resolution is not exaggerated.
     pub(super) fn square(&self) -> PixelGrid {
         let pitch = self.pitch.max_element();
         let count = |pixels: usize, own: f64| ((pixels - 1) as f64 * own / pitch + SAME) as usize + 1;
@@ -35,7 +35,8 @@ impl Placed {
             && far.abs().max_element() < most
     }
 
-    /// Heights at the pixels of a grid: bilinear between four that are there, missing elsewhere; of pixels of both, their own.
+    /// Heights at the pixels of a grid: bilinear between four known ones, missing elsewhere; a pixel of both keeps its
+    /// value.
     pub(super) fn on(self, pixels: PixelGrid) -> HeightMap {
         if self.is_on(&pixels) {
             return HeightMap { pixels, heights: self.heights };

@@ -1,4 +1,4 @@
-//! One scan of a workpiece: the file is recognised by its content, not by its name.
+//! A scan of a workpiece; the file's format is recognised by its content, not by its name.
 
 use std::path::Path;
 
@@ -14,21 +14,21 @@ use super::error::{Place, TrialError};
 use super::resample;
 use crate::measure::median;
 
-/// Slope between neighbouring pixels that most of no surface has [1].
+/// Slope between neighbouring pixels that the majority of no surface has [1].
 const MOST_SLOPE: f64 = 2.0;
-/// Difference of neighbouring pixels that noise alone may make [m].
+/// Difference of neighbouring pixels that noise alone may cause [m].
 const NOISE: f64 = 4e-6;
-/// Relative difference of two pitches that is worth a word.
+/// Relative difference of two pitches for a note.
 const PITCH_NOTE: f64 = 1e-3;
 
-/// Height between the lowest and the highest pixel that a scan of a weld may have [m].
+/// Maximum height range of a scan of a weld [m].
 const MOST_SPAN: f64 = 1.0;
 
-/// Reflection of scans within their own area, before anything else.
+/// Reflection of scans within their own area, applied first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mirror {
-    /// Not at all.
+    /// No reflection.
     #[default]
     None,
     /// The cells of each row are reversed.
@@ -38,7 +38,7 @@ pub enum Mirror {
 }
 
 impl Mirror {
-    /// Turns the values of a grid round, shape `[ny, nx]`.
+    /// Reflects the values of a grid, shape `[ny, nx]`.
     fn turn<T>(self, values: &mut [T], nx: usize) {
         match self {
             Self::None => {}
@@ -51,50 +51,50 @@ impl Mirror {
     }
 }
 
-/// Where the pixels of scans lie, as far as it is known before they are read.
+/// Pixels of scans, as far as they are known before reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScanFrame {
-    /// x, y of the first pixel [m], for files that do not tell, or tell it in another frame.
+    /// x, y of the first pixel [m], for files without it or in another frame.
     pub origin: Option<DVec2>,
-    /// Distance between pixels [m], for files that do not tell.
+    /// Distance between pixels [m], for files without it.
     pub pitch: Option<f64>,
-    /// Pixels of the scan before, onto which scans with pixels of their own are brought.
+    /// Pixels of the scan before, at which scans with other pixels are resampled.
     pub like: Option<PixelGrid>,
     /// Reflection of all scans.
     pub mirror: Mirror,
 }
 
 impl ScanFrame {
-    /// The same for the scans after one with some pixels.
+    /// The same for the scans after one with known pixels.
     pub(super) fn like(self, pixels: &PixelGrid) -> Self {
         Self { like: Some(*pixels), ..self }
     }
 }
 
-/// Which pixels show substrate after sanding.
+/// Pixels that show substrate after sanding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureMask {
-    /// Where the pixels lie.
+    /// The pixels.
     pub pixels: PixelGrid,
-    /// `None` where the optics could not tell, shape `[ny, nx]`.
+    /// True if exposed; `None` if the optics gave no value; shape `[ny, nx]`.
     pub exposed: Vec<Option<bool>>,
 }
 
 /// A label for each pixel: 0 base metal, 1 weld metal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LabelMap {
-    /// Where the pixels lie.
+    /// The pixels.
     pub pixels: PixelGrid,
     /// Shape `[ny, nx]`; 0 where the file has none.
     pub labels: Vec<u16>,
 }
 
-/// Something read from a file, with what was understood of it, in sentences.
+/// Content read from a file, with notes on its interpretation.
 #[derive(Clone, Debug)]
 pub struct Read<T> {
-    /// What was read.
+    /// The content.
     pub content: T,
-    /// What was understood, where it was not the plain case.
+    /// Notes on the interpretation of unusual files, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -117,7 +117,8 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
     Ok(Read { content: map, notes })
 }
 
-/// A surface on square pixels in the frame of the scans; on those of the scan before where both have places of their own.
+/// A surface on square pixels in the frame of the scans; resampled at those of the scan before if both have positions
+/// of their own.
 fn placed(file: &Path, surface: Surface, frame: ScanFrame, notes: &mut Vec<String>) -> Result<HeightMap, TrialError> {
     let missing = |key: &str, what: &str| {
         let found = format!("the file tells no {what}, and trial.toml has no {key}");
@@ -157,13 +158,13 @@ fn placed(file: &Path, surface: Surface, frame: ScanFrame, notes: &mut Vec<Strin
     Ok(map.on(pixels))
 }
 
-/// Refuses maps without heights, and those whose unit cannot be the one assumed.
+/// Refuses maps without heights, and maps whose unit cannot be the assumed one.
 fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     if map.missing() == map.heights.len() {
         return Err(Place::file(file).bad("every cell is empty", "heights in mm are expected"));
     }
     let nx = map.pixels.nx;
-    // A bead is level along itself, so that the steeper of the two directions counts.
+    // A bead is level along itself, so the steeper of the two directions counts.
     let steps = |stride: usize| {
         let pairs = map.heights.iter().zip(&map.heights[stride..]).enumerate();
         let within = pairs.filter(|(at, _)| stride > 1 || at % nx + 1 < nx);
@@ -184,7 +185,7 @@ fn check_heights(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     ))
 }
 
-/// Refuses heights farther apart than those of any workpiece.
+/// Refuses a height range larger than that of any workpiece.
 fn check_span(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     let seen = map.heights.iter().filter(|height| height.is_finite());
     let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)));

@@ -1,4 +1,4 @@
-//! Writing trials: each file as [`Trial::read`](super::Trial::read) takes it.
+//! Writing of trials: each file in the form that [`Trial::read`](super::Trial::read) accepts.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -18,7 +18,7 @@ use super::{ExposureMask, ForceInput, FrameErrors, Given, HeldTool, LabelMap, Pa
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
-/// A number with as many decimals as it needs, up to the sixth.
+/// A number rounded to six decimals.
 fn number(value: f64) -> f64 {
     // Adding zero turns -0 into 0.
     (value * 1e6).round() / 1e6 + 0.0
@@ -63,7 +63,7 @@ pub fn labels_csv(map: &LabelMap) -> String {
     })
 }
 
-/// First line of a log: the names of all its columns.
+/// Header of a log: the names of all its columns.
 pub(super) fn log_header(log: &Log) -> String {
     let mut header: Vec<&str> = REQUIRED_COLUMNS.to_vec();
     if log.has_approach {
@@ -94,15 +94,15 @@ pub fn log_csv(log: &Log) -> String {
     text
 }
 
-/// A number, or nothing where there is none.
+/// A number, or an empty text if it is not finite.
 fn cell(value: f64) -> String {
     if value.is_nan() { String::new() } else { number(value).to_string() }
 }
 
-/// Writes a trial into a folder that exists: `trial.toml` and the files it names.
+/// Writes a trial into an existing folder: `trial.toml` and the files that it names.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// A file that cannot be written.
 pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
     let manifest = manifest_of(trial);
     let put = |name: &Path, text: String| {
@@ -128,7 +128,7 @@ pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
     put(Path::new(TRIAL_FILE), text)
 }
 
-/// A value as it is written; where it stood before does not matter.
+/// A value without a place in a file, for writing.
 fn plain<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
@@ -137,7 +137,7 @@ fn millimetres(length: f64) -> Spanned<f64> {
     plain(number(length * 1e3))
 }
 
-/// Nothing where all is as it is assumed of any robot.
+/// The robot's table; `None` if all values are the defaults.
 fn robot_table(trial: &Trial) -> Option<RobotTable> {
     let FrameErrors { shift, yaw, lag } = trial.frame_errors;
     (trial.frame_errors != FrameErrors::default()).then(|| RobotTable {
@@ -159,7 +159,7 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
         process: trial.process,
         tool: tool_table(trial),
         scan: ScanTable {
-            // Over thousands of pixels a nanometre of pitch would be a micrometre.
+            // Over thousands of pixels, a rounding of the pitch to a nanometre would add up to a micrometre.
             pitch_mm: Some(plain((pixels.pitch * 1e12).round() / 1e9)),
             origin_mm: Some(plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)])),
             mirror: Mirror::None,
@@ -176,7 +176,7 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
     }
 }
 
-/// What `[columns]` says of a quantity; nothing where its name in the logs says it all.
+/// Entry of a quantity in `[columns]`; `None` if its name in the logs contains everything.
 fn column_entry(column: &TrialColumn) -> Option<(String, Spanned<ColumnEntry>)> {
     let (name, text) = match &column.given {
         Given::Temperature => return None,
@@ -202,7 +202,7 @@ fn tool_table(trial: &Trial) -> ToolTable {
     }
 }
 
-/// The table of a trial's controller; none where the log is replayed.
+/// The table of a trial's controller; `None` if the log is replayed.
 fn controller_table(trial: &Trial) -> Option<ControllerTable> {
     match trial.controller {
         Controller::Ideal => {

@@ -1,4 +1,5 @@
-//! Ways in which the files of a trial come to contradict each other, as a careless hand or another program makes them.
+//! Damage to the files of a trial that makes them contradict each other, as careless handling or another program may
+//! cause.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -110,7 +111,7 @@ impl Files {
         });
     }
 
-    /// Moves a map's content by whole pixels; what comes in is empty.
+    /// Shifts a map's content by whole pixels; pixels without a source are empty.
     pub(crate) fn shift(&self, name: &str, dx: i64, dy: i64) {
         self.cells(name, |rows| {
             let (ny, nx) = (rows.len() as i64, rows[0].len() as i64);
@@ -137,7 +138,7 @@ impl Files {
         fs::rename(kept, self.folder.join(b)).unwrap();
     }
 
-    /// Writes a scan again as if made anew: other noise of this size [mm] on the heights of another file.
+    /// Rewrites a scan as if taken again: new noise of this size [mm] on the heights of another file.
     pub(crate) fn scanned_again(&self, from: &str, to: &str, noise_mm: f64) {
         self.copy(from, to);
         let mixed = |row: usize, column: usize| {

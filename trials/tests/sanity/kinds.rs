@@ -1,4 +1,4 @@
-//! What becomes of a damaged campaign.
+//! Outcome of reading a damaged campaign.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,15 @@ use trials::trial::{Campaign, Finding, Severity, TrialError};
 
 use crate::damage::Files;
 
-/// A kind of damage: its name, what is done to the first trial beside another one, and what must be said.
+/// A kind of damage: its name, the change to the first trial with access to a second one, and the expected outcome.
 pub(crate) type Kind = (&'static str, fn(&Files, &Files), Said);
 
-/// What must be said of a damaged campaign.
+/// Expected outcome for a damaged campaign.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Said {
-    /// It is refused, with these words.
+    /// It is refused; the message contains these words.
     Refused(&'static str),
-    /// It is read with a note that holds these words.
+    /// It is read with a note that contains these words.
     Noted(&'static str),
 }
 
@@ -24,7 +24,7 @@ pub(crate) fn first_look() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/campaigns/first-look")
 }
 
-/// The first two trials of a campaign, in a folder of their own that may be written.
+/// The first two trials of a campaign, in a writable folder of their own.
 pub(crate) fn copied(campaign: &Path) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for trial in trials(campaign).iter().take(2) {
@@ -46,7 +46,7 @@ pub(crate) fn trials(campaign: &Path) -> Vec<PathBuf> {
     trials
 }
 
-/// What is said of a campaign after a kind of damage: the refusal, or the notes.
+/// Outcome of a campaign after a kind of damage: the refusal, or the notes.
 pub(crate) fn said(campaign: &Path, damage: fn(&Files, &Files)) -> Result<Vec<String>, TrialError> {
     let folder = copied(campaign);
     let places = trials(folder.path());
@@ -54,7 +54,7 @@ pub(crate) fn said(campaign: &Path, damage: fn(&Files, &Files)) -> Result<Vec<St
     Campaign::read(folder.path()).map(|campaign| campaign.notes())
 }
 
-/// Asserts of all kinds that they are told as they must be.
+/// Asserts that all kinds of damage are reported as expected.
 pub(crate) fn told(campaign: &Path, kinds: &[Kind]) {
     let mut silent = Vec::new();
     for (name, damage, expected) in kinds {

@@ -155,7 +155,7 @@ impl Files {
         }
     }
 
-    /// Changes or leaves out the lines of `trial.toml`.
+    /// Changes or removes the lines of `trial.toml`.
     fn lines(&self, change: impl Fn(&str) -> Option<String>) {
         self.edit("trial.toml", |text| text.lines().filter_map(change).map(|line| line + "\n").collect());
     }

@@ -1,7 +1,7 @@
-//! What contradicts itself is never taken in silence: swapped, mirrored, mis-scaled and copied files of a trial.
+//! Contradictory files are always reported: swapped, mirrored, mis-scaled and copied files of a trial.
 //!
-//! Campaigns that were made elsewhere are read from `ROBOFIN_SHARED`; where they are not there the test says so, and
-//! fails if `ROBOFIN_REQUIRE_SHARED` is 1.
+//! Campaigns made elsewhere are read from `ROBOFIN_SHARED`; if they are missing the test says so, and fails if
+//! `ROBOFIN_REQUIRE_SHARED` is 1.
 
 mod damage;
 mod kinds;

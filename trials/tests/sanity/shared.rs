@@ -1,4 +1,4 @@
-//! Campaigns of another laboratory: those that are whole pass, and none of twenty kinds of damage does.
+//! Campaigns of another laboratory: undamaged ones pass, and each of twenty kinds of damage is reported.
 
 use std::path::PathBuf;
 
@@ -78,7 +78,7 @@ fn damaged_campaigns_are_told() {
     }
 }
 
-/// Kinds that change nothing that can be seen: a bead that is its own mirror image, and a spindle speed in one wrong unit
+/// Damage that no check can detect: a bead that is its own mirror image, and a spindle speed in one wrong unit
 /// everywhere, which only scales the rate.
 #[test]
 fn what_cannot_be_seen_is_read() {

@@ -1,16 +1,16 @@
-//! The encoding of messages: plain CDR of the OMG's Common Object Request Broker Architecture, 9.3, behind the four bytes of
-//! RTPS that say the byte order.
+//! Encoding of messages: plain CDR of the OMG's Common Object Request Broker Architecture, 9.3, after an RTPS header of
+//! four bytes with the byte order.
 
 /// Reads a message from its start.
 pub(super) struct Cdr<'a> {
-    /// Bytes behind the four of the header, from which alignment counts.
+    /// Bytes after the four of the header; alignment counts from there.
     body: &'a [u8],
     at: usize,
     is_little: bool,
 }
 
 impl<'a> Cdr<'a> {
-    /// A message; the error says what stands there.
+    /// Starts a message; the error describes an unsupported header.
     pub(super) fn new(data: &'a [u8]) -> Result<Self, String> {
         match data {
             [0, order @ (0 | 1), _, _, body @ ..] => Ok(Self { body, at: 0, is_little: *order == 1 }),
@@ -49,7 +49,7 @@ impl<'a> Cdr<'a> {
         String::from_utf8(text.to_vec()).map_err(|_| "a text that is not UTF-8".to_owned())
     }
 
-    /// Length of a list whose members have at least `least` bytes each.
+    /// Reads the length of a list whose elements have at least `least` bytes each.
     pub(super) fn length(&mut self, least: usize) -> Result<usize, String> {
         let length = self.u32()? as usize;
         match length.checked_mul(least).is_some_and(|bytes| bytes <= self.body.len().saturating_sub(self.at)) {
@@ -63,7 +63,7 @@ impl<'a> Cdr<'a> {
         (0..length).map(|_| if is_wide { self.f64() } else { self.f32().map(f64::from) }).collect()
     }
 
-    /// Checks that no more than padding is left.
+    /// Checks that only padding is left.
     pub(super) fn finish(self) -> Result<(), String> {
         match self.body.len().saturating_sub(self.at) {
             0..8 => Ok(()),

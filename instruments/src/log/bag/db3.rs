@@ -11,12 +11,12 @@ use super::{Bag, Message};
 use crate::misread::Misread;
 
 const MAGIC: &[u8] = b"SQLite format 3\0";
-/// Bytes 18 and 19 are 2 where a write-ahead log lies beside the file: SQLite's file format, 1.3.
+/// Bytes 18 and 19 are 2 if there is a write-ahead log beside the file: SQLite's file format, 1.3.
 const JOURNAL: std::ops::Range<usize> = 18..20;
-/// Bytes that a message takes in a file at least: a row and its stamp.
+/// Minimum number of bytes of a message in a file: a row and its stamp.
 const LEAST_MESSAGE: usize = 8;
 
-/// Bags in SQLite.
+/// Bags in SQLite files.
 pub(in super::super) struct Db3;
 
 impl Format for Db3 {
@@ -58,19 +58,19 @@ impl Format for Db3 {
     }
 }
 
-/// The base in memory, to be read alone.
+/// Opens the database in memory, read-only.
 fn open(bytes: &[u8]) -> Result<Connection, Error> {
     let mut base = Connection::open_in_memory()?;
     let (head, rest) = bytes.split_at(JOURNAL.start.min(bytes.len()));
     let (_, rest) = rest.split_at((JOURNAL.end - JOURNAL.start).min(rest.len()));
-    // A base in memory has no log beside it.
+    // A database in memory has no log beside it.
     let patched = head.chain(&[1, 1][..]).chain(rest);
     base.deserialize_read_exact("main", patched, bytes.len(), true)?;
     base.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
     Ok(base)
 }
 
-/// Checks that the tables hold rows of their own: a view or a computed column could do anything.
+/// Checks that the tables are plain tables: a view or a computed column could execute arbitrary SQL.
 fn check_tables(bag: &Bag, base: &Connection) -> Result<(), Misread> {
     let refused = |error: Error| bag.bad(error.to_string());
     let sql = "SELECT count(*) FROM sqlite_schema WHERE name IN ('topics', 'messages') AND type = 'table' \

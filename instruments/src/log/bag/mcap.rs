@@ -1,4 +1,4 @@
-//! Messages of MCAP files. Chunks are unpacked here, by decoders of LZ4 and Zstandard in Rust alone.
+//! Messages of MCAP files. Chunks are decompressed here, by LZ4 and Zstandard decoders written in Rust.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -12,12 +12,12 @@ use super::super::{Channels, Format};
 use super::{Bag, Message};
 use crate::misread::{Misread, Place};
 
-/// Bytes that a chunk may have when it is unpacked; writers make chunks of about 1 MiB.
+/// Maximum number of bytes of a decompressed chunk; writers make chunks of about 1 MiB.
 const MOST_IN_A_CHUNK: u64 = 1 << 28;
-/// Bytes that all chunks may have when they are unpacked.
+/// Maximum number of bytes of all decompressed chunks.
 const MOST_UNPACKED: u64 = 1 << 33;
 
-/// Bags in MCAP.
+/// Bags in MCAP files.
 pub(in super::super) struct Mcap;
 
 impl Format for Mcap {
@@ -38,7 +38,7 @@ impl Format for Mcap {
                 Ok(Record::DataEnd(_) | Record::Footer(_)) => break,
                 Ok(Record::Chunk { header, data }) => reading.chunk(&header, &data)?,
                 Ok(record) => reading.record(record)?,
-                // A recording that was not closed is read as far as it goes.
+                // An unfinished recording is read as far as possible.
                 Err(McapError::UnexpectedEof) => {
                     reading.bag.notes.push("the file ends within a record: it is read as far as it goes".to_owned());
                     break;
@@ -50,10 +50,10 @@ impl Format for Mcap {
     }
 }
 
-/// State of a file as its records come.
+/// State of a file while its records are read.
 struct Reading<'a> {
     bag: Bag<'a>,
-    /// Names of types.
+    /// Names of message types.
     schemas: BTreeMap<u16, String>,
     /// Topic, schema and encoding.
     topics: BTreeMap<u16, (String, u16, String)>,
@@ -120,7 +120,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// The bytes of a chunk, as many as it says.
+    /// Decompresses a chunk to its stated number of bytes.
     fn unpack(&self, method: &str, packed: impl Read, size: u64) -> Result<Vec<u8>, Misread> {
         let mut unpacked = Vec::new();
         let done = packed.take(size + 1).read_to_end(&mut unpacked);

@@ -1,5 +1,5 @@
-//! Types of messages that are read. Their definitions are those of the ROS packages `geometry_msgs`, `sensor_msgs`,
-//! `std_msgs` and `tf2_msgs`, which have not changed between the distributions of ROS 2.
+//! Supported message types. Their definitions are those of the ROS packages `geometry_msgs`, `sensor_msgs`, `std_msgs`
+//! and `tf2_msgs`, which are the same in all distributions of ROS 2.
 
 use std::borrow::Cow;
 
@@ -7,11 +7,11 @@ use super::cdr::Cdr;
 
 /// Values of one message, or of one transform of it.
 pub(super) struct Sample {
-    /// End of the track's name behind the topic, empty or with a slash before it.
+    /// Suffix of the track's name after the topic: empty, or beginning with a slash.
     pub(super) suffix: String,
-    /// Stamp in the message [ns], if it has one that is not zero.
+    /// Stamp in the message [ns], if non-zero.
     pub(super) stamp: Option<i64>,
-    /// True for a pose of something.
+    /// True if it is a pose.
     pub(super) is_pose: bool,
     pub(super) fields: Vec<Field>,
 }
@@ -23,10 +23,10 @@ pub(super) struct Field {
     pub(super) value: f64,
 }
 
-/// A type of messages.
+/// A message type.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
-    /// Nothing but `f64`, behind a header if the flag says so.
+    /// Consists of `f64` only, after a header if the flag is set.
     Fixed(&'static Fixed),
     JointState,
     Transform,
@@ -39,7 +39,7 @@ pub(super) enum Kind {
     },
 }
 
-/// A type that holds nothing but `f64`.
+/// A message type that consists of `f64` only.
 pub(super) struct Fixed {
     name: &'static str,
     is_stamped: bool,
@@ -81,7 +81,7 @@ const fn pose(fixed: Fixed) -> Fixed {
     Fixed { is_pose: true, ..fixed }
 }
 
-/// The types that are no `Fixed`.
+/// The types that are not `Fixed`.
 const OTHERS: [(&str, Kind); 7] = [
     ("geometry_msgs/TransformStamped", Kind::Transform),
     ("tf2_msgs/TFMessage", Kind::Transforms),
@@ -92,20 +92,20 @@ const OTHERS: [(&str, Kind); 7] = [
     ("std_msgs/Float32MultiArray", Kind::Numbers { is_wide: false }),
 ];
 
-/// Names of the types that are read.
+/// Names of the supported types.
 pub(super) fn names() -> Vec<&'static str> {
     FIXED.iter().map(|fixed| fixed.name).chain(OTHERS.iter().map(|(name, _)| *name)).collect()
 }
 
 impl Kind {
-    /// The type of a name, with or without `msg` in it.
+    /// The type with this name, with or without `msg` in it.
     pub(super) fn of(name: &str) -> Option<Self> {
         let name = name.replace("/msg/", "/");
         let fixed = FIXED.iter().find(|fixed| fixed.name == name).map(Self::Fixed);
         fixed.or_else(|| OTHERS.iter().find(|(other, _)| *other == name).map(|(_, kind)| *kind))
     }
 
-    /// The values of a message; the error says what is wrong with it.
+    /// Decodes the values of a message; the error describes the fault.
     pub(super) fn decode(self, data: &[u8]) -> Result<Vec<Sample>, String> {
         let mut cdr = Cdr::new(data)?;
         let samples = match self {
@@ -143,7 +143,7 @@ fn parts(parts: Parts, cdr: &mut Cdr) -> Result<Vec<Field>, String> {
     named.map(|(name, unit)| Ok(Field { name: name.into(), unit, value: cdr.f64()? })).collect()
 }
 
-/// `std_msgs/Header`: its stamp, if it is not zero.
+/// Reads a `std_msgs/Header`: its stamp, if non-zero.
 fn header(cdr: &mut Cdr) -> Result<Option<i64>, String> {
     let (seconds, nanoseconds) = (i64::from(cdr.u32()?.cast_signed()), i64::from(cdr.u32()?));
     cdr.string()?;
@@ -151,7 +151,7 @@ fn header(cdr: &mut Cdr) -> Result<Option<i64>, String> {
     Ok((stamp != 0).then_some(stamp))
 }
 
-/// A `TransformStamped`; the frame that it places names its track.
+/// Reads a `TransformStamped`; its track is named after the child frame.
 fn transform(cdr: &mut Cdr) -> Result<Sample, String> {
     const PARTS: Parts = &[("transform/translation", XYZ, Some("m")), ("transform/rotation", XYZW, None)];
     let stamp = header(cdr)?;
@@ -178,7 +178,7 @@ fn joints(cdr: &mut Cdr) -> Result<Sample, String> {
     Ok(Sample { stamp, ..Sample::plain(fields) })
 }
 
-/// A `MultiArray`: its layout is a list of label, size and stride, and an offset.
+/// Reads a `MultiArray`: its layout is a list of label, size and stride, and an offset.
 fn numbers(cdr: &mut Cdr, is_wide: bool) -> Result<Sample, String> {
     for _ in 0..cdr.length(12)? {
         cdr.string()?;

@@ -1,4 +1,4 @@
-//! Bags of ROS 2: recorded messages of several topics, laid on the times of one of them.
+//! Bags of ROS 2: recorded messages of several topics, resampled at the times of one of them.
 //!
 //! [`mcap`] and [`db3`] find messages in the two kinds of file, [`messages`] decodes those of known types, [`tracks`]
 //! collects them and resamples.
@@ -20,10 +20,10 @@ use self::tracks::Tracks;
 use super::Channels;
 use crate::misread::{Misread, Place};
 
-/// Topics that a bag may have.
+/// Maximum number of topics of a bag.
 const MOST_TOPICS: usize = 4096;
 
-/// Bytes that the name of a topic or a type may have.
+/// Maximum number of bytes of the name of a topic or a type.
 const LONGEST_NAME: usize = 1024;
 
 /// One recorded message.
@@ -31,18 +31,18 @@ struct Message<'a> {
     topic: &'a str,
     /// Type, as `geometry_msgs/msg/WrenchStamped`.
     kind: &'a str,
-    /// When it was recorded [ns].
+    /// Time of recording [ns].
     logged: i64,
     data: &'a [u8],
 }
 
-/// A bag that is being read.
+/// State of a bag while it is read.
 struct Bag<'a> {
     file: &'a Path,
     tracks: Tracks,
-    /// Messages of each topic.
+    /// Number of messages of each topic.
     counts: BTreeMap<String, u64>,
-    /// Topics that are not read, with what they hold.
+    /// Topics that are not read, with their type.
     others: BTreeMap<String, String>,
     notes: Vec<String>,
 }
@@ -53,12 +53,12 @@ impl<'a> Bag<'a> {
         Self { file, tracks, counts, others, notes: Vec::new() }
     }
 
-    /// The error that something stands in the bag that none has.
+    /// An error for content that no bag has.
     fn bad(&self, found: impl Into<String>) -> Misread {
         Place::file(self.file).bad(found, "a bag of ROS 2 is expected")
     }
 
-    /// Checks names that are kept.
+    /// Checks the length of names that are stored.
     fn check_names(&self, names: &[&str]) -> Result<(), Misread> {
         match names.iter().any(|name| name.len() > LONGEST_NAME) {
             true => Err(self.bad(format!("a name of more than {LONGEST_NAME} bytes"))),
@@ -66,7 +66,7 @@ impl<'a> Bag<'a> {
         }
     }
 
-    /// Notes that a topic is not read.
+    /// Records that a topic is not read.
     fn pass_over(&mut self, topic: &str, held: &str) -> Result<(), Misread> {
         if !self.others.contains_key(topic) {
             if self.others.len() >= MOST_TOPICS {
@@ -82,7 +82,7 @@ impl<'a> Bag<'a> {
         if self.counts.len() >= MOST_TOPICS && !self.counts.contains_key(message.topic) {
             return Err(self.bad(format!("more than {MOST_TOPICS} topics")));
         }
-        // A name is copied for the first message alone.
+        // A name is copied only for the first message.
         let number = match self.counts.get_mut(message.topic) {
             Some(count) => {
                 *count += 1;

@@ -1,4 +1,4 @@
-//! Recordings of each topic, and all of them on the times of one.
+//! Recordings of each topic, and their resampling at the times of one.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -7,10 +7,10 @@ use super::super::{Channels, MOST_CHANNELS, MOST_VALUES, check_size};
 use super::messages::{Field, Sample};
 use crate::misread::{Misread, Place};
 
-/// Stamps that differ by more from the bag's clock are noted [ns].
+/// Difference between stamps and the bag's clock above which a note is added [ns].
 const CLOCKS_DIFFER: i64 = 1_000_000_000;
 
-/// Tracks by name: a topic, or a topic and the frame that a transform places.
+/// Tracks by name: a topic, or a topic and the child frame of a transform.
 #[derive(Default)]
 pub(super) struct Tracks {
     tracks: BTreeMap<String, Track>,
@@ -18,7 +18,7 @@ pub(super) struct Tracks {
     values: usize,
 }
 
-/// Samples of one thing.
+/// Samples of one track.
 #[derive(Default)]
 struct Track {
     is_pose: bool,
@@ -26,16 +26,16 @@ struct Track {
     /// Index of each name.
     index: HashMap<String, usize>,
     units: Vec<Option<&'static str>>,
-    /// When each sample was taken [ns].
+    /// Time of each sample [ns].
     times: Vec<i64>,
     /// One list for each name, each as long as `times`.
     values: Vec<Vec<f64>>,
-    /// Distance of the first stamp from the bag's clock [ns], where the messages have stamps.
+    /// Difference between the first stamp and the bag's clock [ns], if the messages have stamps.
     stamped: Option<i64>,
 }
 
 impl Tracks {
-    /// Adds a sample; the error says what is wrong with it.
+    /// Adds a sample; the error describes its fault.
     pub(super) fn push(&mut self, topic: &str, logged: i64, sample: Sample) -> Result<(), String> {
         let name = format!("{topic}{}", sample.suffix);
         self.values += sample.fields.len().max(1);
@@ -52,16 +52,17 @@ impl Tracks {
         }
     }
 
-    /// The track on whose times the others are laid: the pose with the most samples, or whatever has the most.
+    /// The track at whose times the others are resampled: the pose with the most samples, otherwise the track with the
+    /// most.
     pub(super) fn base(&self) -> Option<String> {
         let rank = |track: &Track| (track.is_pose, track.times.len());
         let usable = self.tracks.iter().filter(|(_, track)| track.times.len() >= 2 && !track.names.is_empty());
-        // Of equally long ones the first by name.
+        // Of equally long ones, the first by name.
         let best = usable.reduce(|best, next| if rank(next.1) > rank(best.1) { next } else { best });
         best.map(|(name, _)| name.clone())
     }
 
-    /// Puts all tracks on the times of the one called `base`.
+    /// Resamples all tracks at the times of the track `base`.
     pub(super) fn resample(mut self, file: &Path, base: String, channels: &mut Channels) -> Result<(), Misread> {
         let Some(track) = self.tracks.remove(&base) else { return Ok(()) };
         let order = track.order();
@@ -96,7 +97,7 @@ impl Tracks {
     }
 }
 
-/// Time since a start, exact where it is short.
+/// Time since a start [s], exact for short durations.
 fn seconds(time: i64, start: i64) -> f64 {
     (i128::from(time) - i128::from(start)) as f64 / 1e9
 }
@@ -118,7 +119,7 @@ impl Track {
         Ok(())
     }
 
-    /// Index of a field's column, which is `k` as a rule.
+    /// Index of a field's column, usually `k`.
     fn column(&mut self, k: usize, field: &Field, row: usize) -> Result<usize, String> {
         let is_free = |column: usize, values: &[Vec<f64>]| values[column].len() <= row;
         let is_usual = self.names.get(k).is_some_and(|name| *name == field.name);
@@ -137,7 +138,7 @@ impl Track {
         }
     }
 
-    /// Indices of the samples in the order of time, the first of those with the same time alone.
+    /// Indices of the samples in the order of time; of samples with equal times only the first.
     fn order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.times.len()).collect();
         order.sort_by_key(|&k| self.times[k]);
@@ -156,7 +157,7 @@ impl Track {
         }
     }
 
-    /// Adds its fields at the times given.
+    /// Adds its fields, resampled at the given times.
     fn add_to(&self, channels: &mut Channels, name: &str, times: &[i64]) {
         let order = self.order();
         let own: Vec<i64> = order.iter().map(|&k| self.times[k]).collect();
@@ -178,7 +179,7 @@ impl Track {
     }
 }
 
-/// The value at a time between two samples.
+/// The interpolated value at a time between two samples.
 fn between(before: (i64, f64), after: (i64, f64), time: i64) -> f64 {
     let share = seconds(time, before.0) / seconds(after.0, before.0);
     before.1 + share * (after.1 - before.1)

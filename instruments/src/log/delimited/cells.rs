@@ -1,32 +1,32 @@
-//! Cells of a line, and the numbers in them.
+//! Splitting of a line into cells, and parsing of numbers in them.
 
-/// The mark between cells.
+/// The separator between cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Separator {
     Tab,
     Semicolon,
     Comma,
-    /// Any number of blanks or tabs.
+    /// Any number of spaces or tabs.
     Blanks,
 }
 
 /// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
-    /// Nothing, or a word for nothing.
+    /// Empty, or a word for a missing value.
     Empty,
     Number(f64),
     Other,
 }
 
-/// Words for a value that is missing, in lower case.
+/// Words for a missing value, in lower case.
 const MISSING: [&str; 11] = ["nan", "n/a", "na", "#n/a", "null", "none", "-", "--", "1.#qnan", "-1.#ind", "nan(ind)"];
 
 impl Separator {
-    /// In the order in which equally good ones are taken.
+    /// In order of preference among equally good ones.
     pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Blanks];
 
-    /// Name for people.
+    /// Name for messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Tab => "tabs",
@@ -45,7 +45,7 @@ impl Separator {
         }
     }
 
-    /// Puts the cells of a line into `cells`, without blanks and quotes around them.
+    /// Splits a line into `cells`, without spaces and quotes around them.
     pub(super) fn split<'a>(self, line: &'a str, cells: &mut Vec<&'a str>) {
         cells.clear();
         let (mut quoted, mut start) = (false, 0);
@@ -65,7 +65,7 @@ impl Separator {
         push(&line[start..]);
     }
 
-    /// Content of a cell; only where commas do not separate may they be decimal marks.
+    /// Content of a cell; a comma may be a decimal mark only if commas are not the separator.
     pub(super) fn cell(self, cell: &str) -> Cell {
         if cell.is_empty() {
             return Cell::Empty;
@@ -88,7 +88,7 @@ fn unquoted(cell: &str) -> &str {
     }
 }
 
-/// The finite number of a cell with one comma between digits and no point.
+/// The finite number in a cell with one comma between digits and no point.
 fn decimal_comma(cell: &str) -> Option<f64> {
     let (whole, rest) = cell.split_once(',')?;
     let is_mark = rest.starts_with(|c: char| c.is_ascii_digit()) && !rest.contains(',') && !cell.contains('.');

@@ -1,4 +1,4 @@
-//! One column of a table: what its cells hold, and its values.
+//! One column of a table: the kind of its cells, and its values.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ enum Kind {
     Flag,
     Text,
     Stamp(Stamp),
-    /// Whole numbers of this part of a second since 1970.
+    /// Integers counting this fraction of a second since 1970.
     Epoch(i128),
 }
 
@@ -24,23 +24,23 @@ enum Kind {
 #[derive(Debug)]
 pub(super) struct Column {
     name: String,
-    /// True where the header has an empty cell for it.
+    /// True if its header cell is empty.
     is_nameless: bool,
     unit: Option<String>,
     kind: Kind,
     values: Vec<f64>,
-    /// Moment of the first stamp, and of the last one [ns, or parts of a second].
+    /// First and last time stamp [ns, or fractions of a second].
     span: Option<(i128, i128)>,
     midnights: usize,
-    /// Dates whose clock is the next column.
+    /// True for dates whose time of day is in the next column.
     is_day_of_next: bool,
-    /// Clock whose dates are the column before.
+    /// True for a time of day whose dates are in the previous column.
     has_day: bool,
     /// First rows with a decimal comma and with a decimal point.
     marks: [Option<usize>; 2],
 }
 
-/// The content of a cell, and what would do instead.
+/// The content of a cell, and the accepted content.
 type Refusal = (String, &'static str);
 
 impl Column {
@@ -113,7 +113,7 @@ impl Column {
         Ok(())
     }
 
-    /// The time since the first stamp; a clock that goes back by half a day passed midnight.
+    /// Time since the first stamp; a time of day that goes back by half a day has passed midnight.
     fn since_first(&mut self, moment: i128, is_clock: bool) -> i128 {
         let (first, last) = self.span.unwrap_or((moment, moment));
         if is_clock && !self.has_day && last - moment > DAY / 2 {
@@ -132,9 +132,9 @@ impl Column {
         }
     }
 
-    /// Adds the column to a log; `days` are the seconds of the dates beside a clock.
+    /// Adds the column to a log; `days` is the column of dates beside a time of day.
     fn finish(mut self, days: Option<Self>, channels: &mut Channels) {
-        // Separators that close the lines leave a column of nothing.
+        // A separator at the end of the lines leaves an empty column.
         if self.is_nameless && self.kind == Kind::Number && self.values.iter().all(|value| value.is_nan()) {
             return;
         }
@@ -171,7 +171,7 @@ impl Column {
     }
 }
 
-/// Adds nanoseconds to the seconds before them, as stamps of ROS stand in tables.
+/// Adds a column of nanoseconds to the column of seconds before it, the form of ROS stamps in tables.
 fn join_nanoseconds(columns: &mut [Column], channels: &mut Channels) {
     let is_rest = |column: &Column| {
         let name = column.name.to_lowercase();
@@ -202,7 +202,7 @@ pub(super) fn finish(mut columns: Vec<Column>, channels: &mut Channels) {
     }
 }
 
-/// Refuses a table in which decimals are written with commas here and with points there.
+/// Refuses a table that mixes decimal commas and decimal points.
 pub(super) fn check_marks(place: (&Path, &[u64]), columns: &[Column], notes: &mut Vec<String>) -> Result<(), Misread> {
     let (file, lines) = place;
     let first = |mark: usize| columns.iter().enumerate().find_map(|(k, column)| column.marks[mark].map(|row| (row, k)));
@@ -237,7 +237,8 @@ impl Kind {
         }
     }
 
-    /// Times since 1970, where numbers are so large and their name or place is that of a time.
+    /// Interprets numbers as times since 1970 if they are large enough and the column's name or position suggests a
+    /// time.
     fn or_epoch(self, name: &str, is_first: bool, cells: &[&str]) -> Self {
         let name = name.to_lowercase();
         let is_time = is_first || ["time", "stamp", "zeit", "epoch", "sec"].iter().any(|word| name.contains(word));
@@ -261,7 +262,7 @@ fn flag(cell: &str) -> Option<bool> {
     }
 }
 
-/// A number without sign and exponent as its whole part and the rest.
+/// A number without sign and exponent, split into its integer and fractional parts.
 fn whole_and_fraction(cell: &str) -> Option<(i128, f64)> {
     let (whole, fraction) = cell.split_once(['.', ',']).unwrap_or((cell, ""));
     let is_digits = |text: &str| text.len() <= 25 && text.bytes().all(|byte| byte.is_ascii_digit());

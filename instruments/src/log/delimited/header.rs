@@ -1,4 +1,4 @@
-//! The lines above the rows: names of columns, their units, and keys that are left out.
+//! The lines above the rows: names of columns, their units, and key lines that are ignored.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use crate::misread::{Misread, Place};
 /// Names and units of columns.
 #[derive(Default)]
 pub(super) struct Header {
-    /// Empty where the text has none.
+    /// Empty if the text has none.
     pub(super) names: Vec<String>,
-    /// Units of a line of their own; empty where there is none.
+    /// Units from a line of their own; empty without one.
     pub(super) units: Vec<Option<String>>,
     pub(super) notes: Vec<String>,
 }
 
-/// Separator and number of cells of the rows.
+/// Separator of the cells, and number of cells in a row.
 type Shape = (Separator, usize);
 
 /// Finds the names in the lines above the rows.
@@ -87,7 +87,7 @@ fn names(shape: Shape, line: &str, rows: &[Line]) -> Option<Vec<String>> {
     None
 }
 
-/// Joins units in brackets with the names before them, as in `Fz (N)`.
+/// Joins bracketed units with the names before them, as in `Fz (N)`.
 fn join_units<'a>(cells: &mut Vec<&'a str>, line: &'a str) {
     let mut joined: Vec<&str> = Vec::with_capacity(cells.len());
     for &cell in cells.iter() {
@@ -99,13 +99,13 @@ fn join_units<'a>(cells: &mut Vec<&'a str>, line: &'a str) {
     *cells = joined;
 }
 
-/// The part of a line from the start of one cell of it to the end of another.
+/// The part of a line from the start of one cell to the end of another.
 fn spanning<'a>(line: &'a str, first: &str, last: &str) -> &'a str {
     let offset = |part: &str| part.as_ptr() as usize - line.as_ptr() as usize;
     &line[offset(first)..offset(last) + last.len()]
 }
 
-/// True if every row ends with an empty cell, as where separators close a line.
+/// True if every row ends with an empty cell, because a separator closes the lines.
 fn ends_empty(separator: Separator, rows: &[Line]) -> bool {
     let mut cells = Vec::new();
     rows.iter().take(50).all(|row| {
@@ -114,14 +114,14 @@ fn ends_empty(separator: Separator, rows: &[Line]) -> bool {
     })
 }
 
-/// True for names: most cells hold something, and no more than a few are numbers.
+/// True for names: most cells are non-empty, and only a few are numbers.
 fn are_names((separator, count): Shape, names: &[String]) -> bool {
     let cells: Vec<&str> = names.iter().map(String::as_str).collect();
     let (filled, data) = tally(separator, &cells);
     2 * filled > count.min(names.len()) && 4 * data <= filled
 }
 
-/// Refuses a line of names directly above the rows that has almost as many cells as they have.
+/// Refuses a line of names directly above the rows with almost, but not exactly, their number of cells.
 fn refuse_wrong_count(file: &Path, (separator, count): Shape, line: &Line) -> Result<(), Misread> {
     let mut cells = Vec::new();
     separator.split(line.text, &mut cells);

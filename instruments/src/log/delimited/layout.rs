@@ -1,4 +1,4 @@
-//! Layout of a text: the separator of its cells, the places of its header and its first row.
+//! Layout of a text: the separator of its cells, and the positions of its header and its first row.
 
 use std::path::Path;
 
@@ -7,17 +7,17 @@ use super::{header, stamp};
 use crate::log::text::lines;
 use crate::misread::{Misread, Place};
 
-/// Lines looked at.
+/// Maximum number of lines for detection.
 const SNIFFED: usize = 2000;
-/// Bytes of them.
+/// Maximum number of bytes of these lines.
 const SNIFFED_BYTES: usize = 1 << 22;
-/// Rows looked at for the kinds of the columns.
+/// Number of rows from which the kinds of the columns are detected.
 const SAMPLED_ROWS: usize = 200;
 
 /// A line that is not empty.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// From 1.
+    /// Line number, from 1.
     pub(super) number: u64,
     pub(super) text: &'a str,
 }
@@ -25,31 +25,31 @@ pub(super) struct Line<'a> {
 /// Layout of a text.
 pub(super) struct Layout<'a> {
     pub(super) separator: Separator,
-    /// Cells in a row.
+    /// Number of cells in a row.
     pub(super) count: usize,
     /// Line of the first row, from 1.
     pub(super) first: u64,
-    /// Some rows, from the first on, for a look at what the columns hold.
+    /// Some rows, from the first on, for detecting the kinds of the columns.
     pub(super) sample: Vec<Line<'a>>,
-    /// Names of the columns, and units of a line of their own.
+    /// Names of the columns, and units from a line of their own.
     pub(super) header: header::Header,
 }
 
-/// Share of numbers among the cells between separators.
+/// Result of a trial separator: share of numbers among the cells.
 struct Fit {
     separator: Separator,
     count: usize,
     score: f64,
 }
 
-/// True for a comment; a line of `;` is one where cells are not separated so.
+/// True for a comment; a line beginning with `;` is a comment unless semicolons separate cells.
 pub(super) fn is_comment(line: &str, separator: Separator) -> bool {
     let line = line.trim_start();
     let is_semicolon = separator != Separator::Semicolon && line.starts_with(';');
     line.starts_with('#') || line.starts_with('%') || line.starts_with("//") || is_semicolon
 }
 
-/// Looks at the first lines of a text.
+/// Detects the layout from the first lines of a text.
 pub(super) fn sniff<'a>(file: &Path, text: &'a str) -> Result<Layout<'a>, Misread> {
     let all = lines(text).map(|(number, text)| Line { number, text });
     let mut bytes = 0;
@@ -72,7 +72,7 @@ pub(super) fn sniff<'a>(file: &Path, text: &'a str) -> Result<Layout<'a>, Misrea
     Ok(Layout { separator, count, first: sample[first].number, sample: rows, header })
 }
 
-/// Cells of a line that hold something, and those that are a number or a time.
+/// Number of non-empty cells of a line, and number of those that are a number or a time.
 pub(super) fn tally(separator: Separator, cells: &[&str]) -> (usize, usize) {
     let kinds = || cells.iter().map(|cell| (separator.cell(cell), cell));
     let filled = kinds().filter(|(kind, _)| *kind != Cell::Empty).count();
@@ -80,7 +80,7 @@ pub(super) fn tally(separator: Separator, cells: &[&str]) -> (usize, usize) {
     (filled, kinds().filter(is_data).count())
 }
 
-/// Number of cells with which the lines hold the most numbers, where cells are separated in this way.
+/// Number of cells per row that gives the most numbers with this separator.
 fn fit(separator: Separator, sample: &[Line]) -> Fit {
     let mut scores: Vec<(usize, f64)> = Vec::new();
     let mut cells = Vec::new();
@@ -98,7 +98,7 @@ fn fit(separator: Separator, sample: &[Line]) -> Fit {
     Fit { separator, count, score }
 }
 
-/// Index of the first line that has as many numbers as most rows have.
+/// Index of the first line with as many numbers as most rows have.
 fn first_row(separator: Separator, count: usize, sample: &[Line]) -> Option<usize> {
     let mut cells = Vec::new();
     let mut rows = Vec::new();

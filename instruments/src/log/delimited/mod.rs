@@ -1,6 +1,6 @@
-//! Delimited text: rows of cells below names, as programs and spreadsheets write them.
+//! Delimited text: rows of cells below a header, as written by programs and spreadsheets.
 //!
-//! One line is one row; a line break within quotes is none of a log.
+//! One line is one row; line breaks within quotes are not supported.
 
 mod cells;
 mod column;
@@ -35,7 +35,7 @@ impl Format for Delimited {
     }
 }
 
-/// Reads a text, with notes about its encoding.
+/// Reads a text; `notes` are those on its encoding.
 pub(super) fn read(file: &Path, text: &str, mut notes: Vec<String>) -> Result<Channels, Misread> {
     check_lines(file, text)?;
     let layout = sniff(file, text)?;
@@ -49,12 +49,12 @@ pub(super) fn read(file: &Path, text: &str, mut notes: Vec<String>) -> Result<Ch
     rows.finish()
 }
 
-/// The rows that were read.
+/// State of the rows while they are read.
 struct Rows<'a> {
     file: &'a Path,
     columns: Vec<Column>,
     lines: Vec<u64>,
-    /// Line and number of cells of a row that was cut short.
+    /// Line and number of cells of a truncated row.
     cut: Option<(u64, usize)>,
     comments: usize,
     notes: Vec<String>,
@@ -76,7 +76,7 @@ impl<'a> Rows<'a> {
                 continue;
             }
             layout.separator.split(line, &mut cells);
-            // Separators may close the line.
+            // A separator may close the line.
             if cells.len() == self.columns.len() + 1 && cells.last() == Some(&"") {
                 cells.pop();
             }

@@ -1,4 +1,4 @@
-//! Time stamps: dates and times of day as programs write them.
+//! Time stamps: dates and times of day in many formats.
 
 use jiff::Timestamp;
 use jiff::civil::{Date, DateTime, Time};
@@ -9,20 +9,20 @@ pub(super) const DAY: i128 = 86_400 * SECOND;
 pub(super) const SECOND: i128 = 1_000_000_000;
 const EPOCH: DateTime = DateTime::constant(1970, 1, 1, 0, 0, 0, 0);
 
-/// A way in which stamps are written. Days come before months where both would do.
+/// A format of time stamps. The day comes before the month if both orders fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stamp {
     /// ISO 8601 with a zone.
     Instant,
-    /// ISO 8601 without one.
+    /// ISO 8601 without a zone.
     Local,
     /// A date and a time of day.
     Moment(&'static str),
-    /// A time of day alone.
+    /// A time of day only.
     Clock(&'static str),
-    /// A time of day whose milliseconds follow a colon.
+    /// A time of day with its milliseconds after a colon.
     ColonClock,
-    /// A date alone.
+    /// A date only.
     Day(&'static str),
 }
 
@@ -49,7 +49,7 @@ const STAMPS: [Stamp; 20] = [
     Stamp::Moment("%Y-%m-%d_%H:%M:%S%.f"),
 ];
 
-/// True for a cell that may be a stamp; cheap, for many cells.
+/// True for a cell that may be a time stamp; a fast test for many cells.
 pub(super) fn may_be(cell: &str) -> bool {
     let count = |wanted: &[u8]| cell.bytes().filter(|byte| wanted.contains(byte)).count();
     let allowed = |byte: u8| byte.is_ascii_digit() || b":-/.,+ TZ_APMapm".contains(&byte);
@@ -58,13 +58,13 @@ pub(super) fn may_be(cell: &str) -> bool {
     starts && (8..=40).contains(&cell.len()) && has_parts && cell.bytes().all(allowed)
 }
 
-/// The way in which all of the cells are written, if it is one.
+/// The format that fits all cells, if any.
 pub(super) fn of_column(cells: &[&str]) -> Option<Stamp> {
     STAMPS.into_iter().find(|stamp| !cells.is_empty() && cells.iter().all(|cell| stamp.read(cell).is_some()))
 }
 
 impl Stamp {
-    /// The moment [ns]: since 1970, or since midnight for a time of day.
+    /// Parses a time [ns]: since 1970, or since midnight for a time of day.
     pub(super) fn read(self, cell: &str) -> Option<i128> {
         let cell = cell.replace(',', ".");
         let since = |moment: DateTime| moment.duration_since(EPOCH).as_nanos();
@@ -81,7 +81,7 @@ impl Stamp {
         }
     }
 
-    /// Name for people.
+    /// Name for messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Instant => "times in ISO 8601 with a zone",
@@ -91,7 +91,7 @@ impl Stamp {
         }
     }
 
-    /// True if it starts again at midnight.
+    /// True if it restarts at midnight.
     pub(super) fn is_clock(self) -> bool {
         matches!(self, Self::Clock(_) | Self::ColonClock)
     }
@@ -101,7 +101,7 @@ fn of_day(time: Time) -> i128 {
     time.duration_since(Time::midnight()).as_nanos()
 }
 
-/// A format of `STAMPS` for people.
+/// A format of `STAMPS` in readable form.
 fn spelled(format: &str) -> &'static str {
     match format {
         "%Y-%m-%d" => "year-month-day",

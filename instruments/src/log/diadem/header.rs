@@ -1,4 +1,4 @@
-//! The header: keys and values between marks.
+//! The header: keys and values between markers.
 //!
 //! | key | value |
 //! |---|---|
@@ -24,7 +24,7 @@ pub(super) struct Header {
 
 /// One channel.
 pub(super) struct Channel {
-    /// Line in which it begins.
+    /// Line of its beginning.
     pub(super) line: u64,
     pub(super) name: String,
     pub(super) unit: Option<String>,
@@ -34,15 +34,15 @@ pub(super) struct Channel {
     pub(super) storage: Storage,
 }
 
-/// Where values stand.
+/// Storage of the values.
 pub(super) enum Storage {
-    /// Nowhere: they count.
+    /// Not stored: the values are a start and a step.
     Counted,
-    /// In a file, from a place on that counts from 1.
+    /// In a file, from a position that counts from 1.
     File { name: String, number: Number, first: usize, is_block: bool },
 }
 
-/// A type of numbers.
+/// Numerical type.
 #[derive(Clone, Copy)]
 pub(super) enum Number {
     Real64,
@@ -89,7 +89,7 @@ impl Header {
         }
     }
 
-    /// Number of channels that take turns in a file.
+    /// Number of channels that are interleaved in a file.
     pub(super) fn channels_in(&self, wanted: &str) -> usize {
         let is_there = |channel: &&Channel| matches!(&channel.storage, Storage::File { name, is_block: true, .. } if name == wanted);
         self.channels.iter().filter(is_there).count()
@@ -148,7 +148,7 @@ impl Number {
         }
     }
 
-    /// Bytes of a number.
+    /// Size of a number [bytes].
     pub(super) fn size(self) -> usize {
         match self {
             Self::Real64 => 8,
@@ -157,7 +157,7 @@ impl Number {
         }
     }
 
-    /// The number at the start of bytes, which are at least as many as it has.
+    /// Decodes the number at the start of `bytes`, which must be long enough.
     pub(super) fn read(self, bytes: &[u8], is_big: bool) -> f64 {
         let mut own = [0; 8];
         let size = self.size();

@@ -1,5 +1,5 @@
-//! DIAdem data sets: a header in text that names channels, and files of numbers beside it. KUKA's Trace writes its
-//! recordings so, as `.dat` and `.r64`.
+//! DIAdem data sets: a text header that names channels, and files of numbers beside it. KUKA's Trace writes its
+//! recordings in this form, as `.dat` and `.r64`.
 //!
 //! Source: National Instruments, "DIAdem Help", "DAT data file format", whose keys [`header`] lists.
 
@@ -56,7 +56,7 @@ impl Format for Diadem {
     }
 }
 
-/// The values of a channel; files that were read stay in `data`.
+/// Reads the values of a channel; files already read are cached in `data`.
 fn values(
     file: &Path,
     header: &Header,
@@ -77,7 +77,7 @@ fn values(
     }
     let bytes = &data[name];
     let all = bytes.len() / number.size();
-    // In a block the channels of a file take turns.
+    // In a block the channels of a file are interleaved.
     let step = if *is_block { header.channels_in(name) } else { 1 };
     let start = first.checked_sub(1);
     let last = start.and_then(|start| channel.count.checked_sub(1)?.checked_mul(step)?.checked_add(start));

@@ -1,7 +1,7 @@
-//! Which channel of a log may be which quantity of a pass, in which unit, and why.
+//! Guesses of the quantities in a log's channels, with unit and reason.
 //!
-//! Names decide first, in the conventions that `vocabulary` lists; values decide signs and units that no header gives.
-//! Nothing is certain here: every candidate carries a sentence for the person who checks it.
+//! Names decide first, in the conventions listed in `vocabulary`; values decide on signs and units that no header
+//! gives. All guesses are uncertain: every candidate has a sentence for the person who checks it.
 
 mod names;
 mod table;
@@ -10,14 +10,14 @@ mod vocabulary;
 
 use super::{Channels, unit};
 
-/// Candidates of a role that are reported.
+/// Maximum number of candidates reported per role.
 const MOST_CANDIDATES: usize = 3;
-/// Scores that differ by less leave a doubt.
+/// Difference of scores below which a guess is doubtful.
 const CLOSE: f64 = 2.5;
-/// Scores from which a name alone is enough.
+/// Score from which a name alone suffices.
 const GOOD: f64 = 8.0;
 
-/// A quantity that a log of a pass has.
+/// A quantity in the log of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Time.
@@ -28,7 +28,7 @@ pub enum Role {
     Y,
     /// z of the tool.
     Z,
-    /// Normal force, positive where the tool is pressed on.
+    /// Normal force, positive in contact.
     Force,
     /// Spindle speed.
     Spindle,
@@ -42,14 +42,14 @@ pub enum Role {
     Temperature,
 }
 
-/// Trust in a guess.
+/// Confidence in a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Confidence {
     /// Another candidate or another unit is nearly as good.
     Doubtful,
     /// The name fits, and the unit follows from the values.
     Likely,
-    /// Name and unit stand in the file.
+    /// Name and unit are given in the file.
     Clear,
 }
 
@@ -60,15 +60,15 @@ pub struct Candidate {
     pub channel: usize,
     /// Its name there.
     pub name: String,
-    /// Unit of its values as [`Channels::units`] spells it; `1` of an axis.
+    /// Unit of its values in the spelling of [`Channels::units`]; `1` for an axis.
     pub unit: String,
-    /// −1 where the values are to be turned round, as of a sensor that reads negative where it is pressed.
+    /// −1 if the values must be inverted, as for a sensor that reads negative in contact.
     pub sign: i8,
-    /// Trust in it.
+    /// Confidence in the candidate.
     pub confidence: Confidence,
-    /// Why, in one sentence without a full stop.
+    /// Reason, in one sentence without a full stop.
     pub reason: String,
-    /// Fit of the name, from 0 to 12.
+    /// Score of the name, from 0 to 12.
     score: f64,
 }
 
@@ -109,12 +109,12 @@ impl Role {
         }
     }
 
-    /// True if every log of a pass has it.
+    /// True if every log of a pass must have it.
     pub fn is_required(self) -> bool {
         matches!(self, Self::Time | Self::X | Self::Y | Self::Z | Self::Force | Self::Spindle)
     }
 
-    /// Units that it may have.
+    /// Possible units.
     fn units(self) -> &'static [&'static str] {
         match self {
             Self::Time => &["s", "ms", "us", "ns", "min", "h"],
@@ -139,7 +139,7 @@ impl Guesses {
     }
 }
 
-/// Guesses which channel is what.
+/// Guesses the quantity of each channel.
 pub fn guess(channels: &Channels) -> Guesses {
     let mut guesses = Guesses::default();
     let first_index = names::first_index(channels.names.iter().map(|name| unit::split(name).0));
@@ -158,7 +158,7 @@ pub fn guess(channels: &Channels) -> Guesses {
     guesses
 }
 
-/// A channel as a candidate by its name, if that and its unit fit.
+/// A channel as a candidate, if its name and its unit fit.
 fn candidate(channels: &Channels, role: Role, (channel, first_index): (usize, usize)) -> Option<Candidate> {
     let name = &channels.names[channel];
     let (base, _) = unit::split(name);
@@ -166,7 +166,7 @@ fn candidate(channels: &Channels, role: Role, (channel, first_index): (usize, us
     let mut score = names::score(role, base, first_index)?;
     match own {
         Some(own) if role.units().contains(&own) => score += 2.0,
-        // A header may give a unit that is not known here; a known one of something else decides.
+        // A header may give an unknown unit; a known unit of another dimension excludes the channel.
         Some(own) if unit::known(own).is_some() => return None,
         _ => {}
     }
@@ -184,7 +184,7 @@ fn candidate(channels: &Channels, role: Role, (channel, first_index): (usize, us
     })
 }
 
-/// Lowers the confidence where the next candidate is nearly as good, or the name is weak.
+/// Lowers the confidence if the next candidate is nearly as good, or the name is weak.
 fn doubt(candidates: &mut [Candidate]) {
     let Some((best, others)) = candidates.split_first_mut() else { return };
     if let Some(next) = others.first().filter(|next| best.score - next.score < CLOSE) {

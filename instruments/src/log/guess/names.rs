@@ -1,9 +1,9 @@
-//! Fit of a name to a quantity, in the conventions of robots, sensors and languages.
+//! Match of a name to a quantity, in the conventions of robots, sensors and languages.
 
 use super::Role;
 use super::vocabulary::*;
 
-/// Words of a name in lower case: cut at signs, at capitals, and between letters and digits.
+/// Words of a name in lower case: split at punctuation, at capitals, and between letters and digits.
 pub(super) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = vec![String::new()];
     let chars: Vec<char> = name.chars().collect();
@@ -25,7 +25,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Fit of a name without its unit to a role, from 0 to 10; `None` where it does not fit.
+/// Score of a name, without its unit, for a role, from 0 to 10; `None` if it does not fit.
 pub(super) fn score(role: Role, name: &str, first_index: usize) -> Option<f64> {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
@@ -49,7 +49,7 @@ fn time(name: &str, words: &[String]) -> Option<f64> {
     if any(words, NOT_TIME) || !any(words, TIME) {
         return None;
     }
-    // A lone capital is a temperature as often.
+    // A single capital T is as often a temperature.
     Some(if name == "T" {
         5.0
     } else if words.len() == 1 {
@@ -59,7 +59,7 @@ fn time(name: &str, words: &[String]) -> Option<f64> {
     })
 }
 
-/// The axis that a name ends with, or the index behind a word for several values.
+/// The axis at the end of a name, or the index after a word for several values.
 fn axis(words: &[String], named: &[&str]) -> Option<(usize, bool)> {
     let letters = ["x", "y", "z"];
     if let Some(axis) = letters.into_iter().position(|letter| words.iter().any(|word| word == letter)) {
@@ -80,7 +80,7 @@ fn axis(words: &[String], named: &[&str]) -> Option<(usize, bool)> {
     any(words, named).then_some((index, true))
 }
 
-/// The index with which positions of several components begin: 0, or 1 where no name has 0.
+/// First index of multi-component positions: 0, or 1 if no name has 0.
 pub(super) fn first_index<'a>(names: impl IntoIterator<Item = &'a str>) -> usize {
     let index = |name: &str| {
         let words = words(name);
@@ -133,7 +133,7 @@ fn spindle(words: &[String]) -> Option<f64> {
     if any(words, NOT_SPINDLE) || !any(words, SPINDLE) {
         return None;
     }
-    // Several speeds with an index are those of joints.
+    // Several indexed speeds are those of joints.
     if words.last().is_some_and(|word| word.parse::<u64>().is_ok()) && !any(words, SURELY_SPINDLE) {
         return None;
     }

@@ -3,8 +3,8 @@
 use super::{Candidate, Confidence, Guesses, Role};
 
 impl Guesses {
-    /// The table `[log.columns]`, with the reason of each line as a comment, other candidates as comments, and a comment
-    /// where a quantity that every pass needs was not found.
+    /// The table `[log.columns]`. Comments give the reason of each line, other candidates, and every required quantity
+    /// that was not found.
     pub fn table(&self) -> String {
         let mut table = String::from("[log.columns]\n");
         for role in Role::ALL {
@@ -31,7 +31,7 @@ impl Guesses {
 }
 
 impl Candidate {
-    /// The value of its line: column, unit, and the sign where it is not 1.
+    /// The value of its line: column, unit, and the sign if it is not 1.
     fn entry(&self) -> String {
         let sign = if self.sign < 0 { ", sign = -1" } else { "" };
         format!("{{ column = {}, unit = {}{sign} }}", quoted(&self.name), quoted(&self.unit))
@@ -39,7 +39,7 @@ impl Candidate {
 }
 
 impl Confidence {
-    /// Word for people.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clear => "clear",
@@ -49,7 +49,7 @@ impl Confidence {
     }
 }
 
-/// A text in the quotes of TOML.
+/// A text in TOML quotes.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {

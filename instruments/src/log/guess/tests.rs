@@ -7,7 +7,7 @@ fn of(text: &str) -> Guesses {
     guess(&read(Path::new("log"), text.as_bytes()).expect("a log"))
 }
 
-/// Rows of a press: time, x, y, z, force, speed, in the order and with the scales given.
+/// Rows of a contact: time, x, y, z, force, speed, in the given order and scales.
 fn rows(separator: &str, scales: [f64; 6]) -> String {
     let row = |k: usize| {
         let time = 0.01 * k as f64;
@@ -71,11 +71,11 @@ fn a_force_that_is_pressed_on_reads_away_from_what_it_reads_in_the_air() {
         let text = "t,x,y,z,force\n".to_owned() + &(0..400).map(row).collect::<String>();
         of(&text).best(Role::Force).expect("a force").sign
     };
-    // A log that begins and ends pressed on, and one that does so in the air.
+    // A log that begins and ends in contact, and one that begins and ends in the air.
     assert_eq!(sign(&|k| if (200..220).contains(&k) { -0.1 } else { -15.0 }), -1);
     assert_eq!(sign(&|k| if (50..350).contains(&k) { -15.0 } else { 0.2 }), -1);
     assert_eq!(sign(&|k| if (50..350).contains(&k) { 15.0 } else { -0.2 }), 1);
-    // The weight of the tool is in the reading.
+    // The reading includes the weight of the tool.
     assert_eq!(sign(&|k| if (50..350).contains(&k) { -45.0 } else { -30.0 }), -1);
     assert_eq!(sign(&|k| if (50..350).contains(&k) { -15.0 } else { -30.0 }), 1);
 }

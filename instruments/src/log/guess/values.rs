@@ -1,23 +1,23 @@
-//! Signs and units by what the values look like.
+//! Signs and units, guessed from values.
 
 use super::{Candidate, Confidence, Role};
 use crate::log::Channels;
 
-/// Positions of a robot's tool are within this many metres of its base.
+/// Maximum distance of a robot's tool from its base [m].
 const FARTHEST: f64 = 6.0;
-/// Coordinates from here on are millimetres, as no robot reaches so many metres.
+/// Coordinates from this value on are in millimetres, because no robot reaches so many metres.
 const SURELY_MM: f64 = 20.0;
-/// A tool is not fed faster than this [m/s].
+/// Maximum feed of a tool [m/s].
 const FASTEST: f64 = 5.0;
-/// Share of a force's range up to which two readings are one.
+/// Difference of two readings, as a share of a force's range, up to which they count as one.
 const SAME_READING: f64 = 0.25;
-/// Speeds from here on are rpm: so many radians per second are 19 000 rpm.
+/// Spindle speeds from this value on are in rpm: in rad/s it would be 19 000 rpm.
 const SURELY_RPM: f64 = 2000.0;
 
 /// The candidates of every role.
 type Roles = [(Role, Vec<Candidate>)];
 
-/// Writes unit, sign and reason of every candidate.
+/// Sets unit, sign and reason of every candidate.
 pub(super) fn understand(channels: &Channels, roles: &mut Roles) {
     let seconds = time_step(channels, roles);
     let positions: Vec<usize> = roles
@@ -51,7 +51,7 @@ pub(super) fn understand(channels: &Channels, roles: &mut Roles) {
     }
 }
 
-/// Keeps the candidates of an approach axis only where the best three make unit vectors.
+/// Keeps the candidates of an approach axis only if the best three form unit vectors.
 pub(super) fn drop_what_is_no_axis(channels: &Channels, roles: &mut Roles) {
     let is_axis = |role: &Role| matches!(role, Role::Nx | Role::Ny | Role::Nz);
     let best: Vec<&Vec<f64>> = roles
@@ -71,25 +71,25 @@ pub(super) fn drop_what_is_no_axis(channels: &Channels, roles: &mut Roles) {
     }
 }
 
-/// Finite values in rising order.
+/// Finite values in increasing order.
 fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values
 }
 
-/// The value below which this share of sorted values lies; 0 without values.
+/// Quantile of sorted values; 0 without values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     sorted.get((last as f64 * share).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The middle step from row to row.
+/// Median difference between consecutive rows.
 fn middle_step(values: &[f64]) -> f64 {
     quantile(&sorted(values.windows(2).map(|pair| pair[1] - pair[0])), 0.5)
 }
 
-/// The middle step of the best time, if its unit is known [s].
+/// Median time step of the best time candidate, if its unit is known [s].
 fn time_step(channels: &Channels, roles: &Roles) -> Option<f64> {
     let best = roles.iter().find(|(role, _)| *role == Role::Time)?.1.first()?;
     let values = &channels.values[best.channel];
@@ -104,7 +104,7 @@ fn time_step(channels: &Channels, roles: &Roles) -> Option<f64> {
     Some(middle_step(values) * scale).filter(|step| *step > 0.0)
 }
 
-/// Rows come every 0.1 ms to 1 s.
+/// Plausible periods are 0.1 ms to 1 s.
 fn time_unit(values: &[f64]) -> (&'static str, String, bool) {
     let step = middle_step(values);
     if step.is_nan() || step <= 0.0 {
@@ -170,7 +170,7 @@ fn temperature_unit(values: &[f64]) -> (&'static str, String, bool) {
     }
 }
 
-/// The sign that makes a force positive where the tool is pressed on.
+/// Sets the sign that makes a force positive in contact.
 fn sign(candidate: &mut Candidate, role: Role, values: &[f64]) {
     if role != Role::Force {
         return;
@@ -180,8 +180,8 @@ fn sign(candidate: &mut Candidate, role: Role, values: &[f64]) {
     let end = quantile(&sorted(values.iter().rev().copied().take(rows)), 0.5);
     let all = sorted(values.iter().copied());
     let (low, high) = (quantile(&all, 0.01), quantile(&all, 0.99));
-    // Readings near nothing are those in the air. A sensor that never reads nothing has an offset, which a log shows that
-    // begins and ends alike.
+    // Readings near zero are those in the air. A sensor that never reads zero has an offset; the offset is visible in a
+    // log that begins and ends alike.
     let has_offset =
         low.abs().min(high.abs()) > SAME_READING * low.abs().max(high.abs()) && low.signum() == high.signum();
     let is_alike = (begin - end).abs() < SAME_READING * (high - low) && begin.abs() <= 2.0 * (high - low);

@@ -1,6 +1,6 @@
 //! Words of names, in lower case: English, German and the conventions of RTDE, ROS, RSI and KRL first.
 
-/// Words of a value that was asked for and not measured.
+/// Words for a commanded value that was not measured.
 pub(super) const COMMANDED: &[&str] = &[
     "target",
     "soll",
@@ -73,7 +73,7 @@ pub(super) const POSITION: &[&str] = &[
     "point",
     "werkzeug",
 ];
-/// Words behind which an index is an axis.
+/// Words after which an index is an axis.
 pub(super) const POSES: &[&str] = &["pose", "position", "pos", "translation"];
 pub(super) const NOT_POSITION: &[&str] = &[
     "force",
@@ -164,7 +164,7 @@ pub(super) const SPINDLE: &[&str] = &[
     "rotational",
     "giri",
 ];
-/// Words that need no other beside them.
+/// Words that suffice alone.
 pub(super) const SURELY_SPINDLE: &[&str] =
     &["rpm", "drehzahl", "omega", "ω", "spindlespeed", "spindeldrehzahl", "转速"];
 pub(super) const NOT_SPINDLE: &[&str] = &[

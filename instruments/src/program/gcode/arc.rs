@@ -1,8 +1,8 @@
-//! Arcs as straight lines.
+//! Approximation of arcs by straight lines.
 
 use glam::{DVec2, DVec3};
 
-/// Radii at start and end may differ by this [m], or by this share: printed digits.
+/// Tolerance for the difference of the radii at start and end: absolute [m] and relative, for rounding in the file.
 const RADII_DIFFER: (f64, f64) = (1e-5, 1e-3);
 
 /// The plane of an arc.
@@ -16,12 +16,12 @@ pub(super) enum Plane {
     Yz,
 }
 
-/// Where the centre of an arc is.
+/// Centre of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Centre {
-    /// In the plane, as seen from the start [m].
+    /// In the plane, relative to the start [m].
     FromStart(DVec2),
-    /// Radius [m], negative for the way that is longer than half a turn.
+    /// Radius [m], negative for the arc longer than half a turn.
     Radius(f64),
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Arc {
 }
 
 impl Plane {
-    /// First and second axis of the plane, and how far along its normal.
+    /// Coordinates in the plane, and along its normal.
     pub(super) fn split(self, point: DVec3) -> (DVec2, f64) {
         let DVec3 { x, y, z } = point;
         match self {
@@ -58,8 +58,8 @@ impl Plane {
 }
 
 impl Arc {
-    /// Points behind the start, the last of them the end, so that no line lies farther than `tolerance` from the arc;
-    /// the error says what is wrong with it.
+    /// Points after the start, ending with the end, such that no line lies farther than `tolerance` from the arc; the
+    /// error describes an invalid arc.
     pub(super) fn points(&self, tolerance: f64, most: usize) -> Result<Vec<DVec3>, String> {
         let ((start, low), (end, high)) = (self.plane.split(self.start), self.plane.split(self.end));
         let centre = start + self.centre(start, end)?;
@@ -69,7 +69,7 @@ impl Arc {
             return Err(format!("an arc of {:.4} mm at its start and {:.4} mm at its end", 1e3 * radius, 1e3 * last));
         }
         let sweep = self.sweep(from, to);
-        // A chord that spans the angle φ lies r (1 − cos φ/2) within its arc.
+        // A chord that spans the angle φ deviates from its arc by up to r (1 − cos φ/2).
         let share = (1.0 - tolerance / radius.max(last)).clamp(-1.0, 1.0);
         let span = (2.0 * share.acos()).clamp(1e-6, std::f64::consts::FRAC_PI_2);
         let count = (sweep.abs() / span).ceil().max(1.0);
@@ -89,7 +89,7 @@ impl Arc {
         Ok(points)
     }
 
-    /// Centre as seen from the start.
+    /// Centre relative to the start.
     fn centre(&self, start: DVec2, end: DVec2) -> Result<DVec2, String> {
         let radius = match self.centre {
             Centre::FromStart(centre) => return Ok(centre),
@@ -104,13 +104,13 @@ impl Arc {
             return Err(format!("a radius of {:.4} mm for a chord of {:.4} mm", 1e3 * size, 2e3 * half));
         }
         let height = (size * size - half * half).max(0.0).sqrt();
-        // Left of the way from start to end lies the centre of a short turn to the left.
+        // The centre of a left turn shorter than half a turn lies left of the line from start to end.
         let is_left = self.is_clockwise != (radius > 0.0);
         let left = chord.perp() / (2.0 * half);
         Ok(0.5 * chord + if is_left { left * height } else { -left * height })
     }
 
-    /// Angle that is swept, positive to the left; a whole turn where start and end are one.
+    /// Swept angle, positive to the left; a full turn if start and end coincide.
     fn sweep(&self, from: DVec2, to: DVec2) -> f64 {
         let turn = std::f64::consts::TAU;
         let is_whole = from.distance(to) < 1e-9;

@@ -29,12 +29,12 @@ pub(super) struct Machine<'a> {
     unit: f64,
     has_unit: bool,
     is_incremental: bool,
-    /// True where I, J, K count from the origin (`G90.1`).
+    /// True if I, J, K are absolute (`G90.1`).
     is_centre_absolute: bool,
     plane: Plane,
     motion: Option<Motion>,
     position: DVec3,
-    /// Axes whose place a block has given.
+    /// Axes whose position is known from a block.
     known: [bool; 3],
     feed: Option<f64>,
     speed: f64,
@@ -43,7 +43,7 @@ pub(super) struct Machine<'a> {
     system: Option<f64>,
 }
 
-/// Words of one block by what they are.
+/// Words of one block by their meaning.
 #[derive(Default)]
 struct Block {
     axes: [Option<f64>; 3],
@@ -72,10 +72,10 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Does a block; false at the end of the program.
+    /// Executes a block; returns false at the end of the program.
     pub(super) fn block(&mut self, words: &[Word], line: u64) -> Result<bool, Misread> {
         let mut block = Block::default();
-        // Units come before the numbers that they measure.
+        // Units are set before the numbers that use them.
         for word in words.iter().filter(|word| word.letter == 'G') {
             self.general(word.value, &mut block, line)?;
         }
@@ -129,14 +129,14 @@ impl<'a> Machine<'a> {
             910 => self.is_incremental = true,
             901 => self.is_centre_absolute = true,
             911 => self.is_centre_absolute = false,
-            // No cutter compensation, no tool length, path control, feed per minute, speed per minute.
+            // No cutter compensation, no tool length offset, path control, feed per minute, speed per minute.
             400 | 490 | 610 | 611 | 640 | 940 | 970 => {}
             _ => return self.reading.bad(line, format!("G{code}"), ACCEPTED),
         }
         Ok(())
     }
 
-    /// Another work offset on the way would move the points that follow by what the program does not say.
+    /// Refuses a change of the work offset within the path: it would shift the following points by an unknown amount.
     fn select(&mut self, system: f64, line: u64) -> Result<(), Misread> {
         if self.system.is_some_and(|own| own != system) && !self.reading.program.points.is_empty() {
             return self.reading.bad(
@@ -149,7 +149,7 @@ impl<'a> Machine<'a> {
         Ok(())
     }
 
-    /// True at the end of the program.
+    /// Returns true at the end of the program.
     fn miscellaneous(&mut self, code: f64, line: u64) -> Result<bool, Misread> {
         match code.round() as i64 {
             _ if code.fract() != 0.0 => return self.reading.bad(line, format!("M{code}"), ACCEPTED),

@@ -1,4 +1,5 @@
-//! Words of a block: a letter and a number each. Source: NIST, "The NIST RS274/NGC Interpreter, Version 3", 2000, section 3.
+//! Words of a block, each a letter and a number. Source: NIST, "The NIST RS274/NGC Interpreter, Version 3", 2000,
+//! section 3.
 
 /// A letter and its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,11 +9,11 @@ pub(super) struct Word {
     pub(super) value: f64,
 }
 
-/// The words of a line, without comments, line numbers and checksums; the error says what is no word.
+/// The words of a line, without comments, line numbers and checksums; the error describes the text that is not a word.
 pub(super) fn words(line: &str) -> Result<Vec<Word>, String> {
     let code = without_comments(line)?;
     let code = code.split('*').next().unwrap_or_default().trim();
-    // Program marks, and blocks that a switch may leave out.
+    // Program markers, and blocks that a switch may skip.
     let code = if code.starts_with('%') { "" } else { code.strip_prefix('/').unwrap_or(code) };
     let mut words = Vec::new();
     let mut rest = code.trim_start();

@@ -1,4 +1,4 @@
-//! The trials of a campaign against each other: scans and logs that stand in two of them, or changed places.
+//! Consistency of the trials of a campaign: scans or logs that occur in two trials, or were swapped.
 
 use sdf_bake::HeightMap;
 
@@ -8,7 +8,7 @@ use super::super::{ExposureMask, PassScan, Trial};
 use super::profile::{Contact, contacts, odds_of_another};
 use super::{Surfaces, ground, odds};
 
-/// Refuses campaigns in which trials share scans or logs, or follow the surfaces of each other.
+/// Refuses campaigns whose trials share scans or logs, or whose logs follow each other's surfaces.
 pub(in crate::trial) fn check(trials: &[Trial]) -> Result<(), TrialError> {
     for (k, trial) in trials.iter().enumerate() {
         for other in &trials[..k] {
@@ -23,8 +23,8 @@ pub(in crate::trial) fn check(trials: &[Trial]) -> Result<(), TrialError> {
     if trials.len() > 1 { check_places(trials) } else { Ok(()) }
 }
 
-/// The first scan or log that two trials share. A workpiece that goes on in a second trial may begin with the last scan
-/// of the first.
+/// The first scan or log that two trials share. The last scan of a trial may be the first of another, if the workpiece
+/// continues in it.
 fn shared(trial: &Trial, other: &Trial) -> Option<(String, String)> {
     let (mine, theirs) = (maps(trial), maps(other));
     let goes_on = |mine: &str, theirs: &str| {
@@ -64,7 +64,7 @@ fn maps(trial: &Trial) -> Vec<(String, &HeightMap)> {
     before.chain(repeats).chain(after).collect()
 }
 
-/// The mask after a pass, where it shows both coating and substrate.
+/// The mask after a pass, if it shows both coating and substrate.
 fn mask(scan: &PassScan) -> Option<&ExposureMask> {
     match scan {
         PassScan::Exposure(mask) => {
@@ -75,7 +75,7 @@ fn mask(scan: &PassScan) -> Option<&ExposureMask> {
     }
 }
 
-/// Whether two maps have the same heights, bit by bit, and any that differ from each other.
+/// True if two maps have bit-identical heights that are not all equal.
 fn is_same(a: &HeightMap, b: &HeightMap) -> bool {
     let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     let known = || a.heights.iter().filter(|height| height.is_finite());
@@ -84,10 +84,10 @@ fn is_same(a: &HeightMap, b: &HeightMap) -> bool {
         && known().zip(known().skip(1)).any(|(now, next)| now != next)
 }
 
-/// What is expected where it is not so.
+/// Expectation in the messages of these checks.
 const ONE_PLACE: &str = "logs and scans of one workpiece are expected: did files of the two trials change places?";
 
-/// Refuses a trial whose tool followed the surface of another trial, not its own, and two trials that changed places.
+/// Refuses a trial whose logs follow the surface of another trial instead of its own, and two trials that were swapped.
 fn check_places(trials: &[Trial]) -> Result<(), TrialError> {
     let surfaces: Vec<Surfaces> = trials.iter().map(Surfaces::of).collect();
     let places = Places { trials, contacts: surfaces.iter().map(contacts).collect() };
@@ -114,7 +114,7 @@ impl Places<'_> {
         odds_of_another(&self.trials[trial].tool, &self.contacts[trial][pass], &self.contacts[other][there].map)
     }
 
-    /// What is said of one log that follows a scan of another trial.
+    /// Message for one trial whose log follows a scan of another.
     fn one(&self, trial: usize, other: usize) -> Option<String> {
         let passes: usize = self.contacts.iter().map(Vec::len).sum();
         let theirs = 0..self.contacts[other].len();
@@ -131,7 +131,7 @@ impl Places<'_> {
         })
     }
 
-    /// What is said of two trials whose scans, or logs, changed places.
+    /// Message for two trials whose scans or logs were swapped.
     fn both(&self, trial: usize, other: usize) -> Option<String> {
         let passes = self.contacts[trial].len();
         if self.contacts[other].len() != passes {

@@ -1,4 +1,4 @@
-//! Fine scans made coarse for the checks: what those look at is far larger than a pixel.
+//! Downsampling of fine scans for the checks, which concern features much larger than a pixel.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,10 @@ use sdf_bake::{HeightMap, PixelGrid};
 
 use super::super::{ExposureMask, LabelMap, Pass, PassScan, Scans, Trial};
 
-/// Pixels of a scan that checks look at; a side of 400 shows a track of a tenth of it with 40 pixels.
+/// Maximum number of pixels of a scan for the checks; with a side of 400, a track of a tenth of it has 40 pixels.
 const MOST_PIXELS: usize = 160_000;
 
-/// The trial with the means of square blocks in place of pixels where its scans have more than [`MOST_PIXELS`].
+/// The trial with means over square blocks in place of pixels, if its scans have more than [`MOST_PIXELS`].
 pub(super) fn coarse(trial: &Trial) -> Cow<'_, Trial> {
     let pixels = trial.scans.before.pixels;
     let side = (pixels.len() as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize;
@@ -35,7 +35,7 @@ pub(super) fn coarse(trial: &Trial) -> Cow<'_, Trial> {
     })
 }
 
-/// Square blocks of pixels; a rest that fills none is left out.
+/// Square blocks of pixels; incomplete blocks at the end are left out.
 struct Blocks {
     pixels: PixelGrid,
     side: usize,
@@ -53,7 +53,7 @@ impl Blocks {
         }
     }
 
-    /// Mean of what is known in each block; NaN where more than half is not.
+    /// Mean of the known values in each block; NaN if more than half are missing.
     fn means(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let (grid, side) = (self.grid(), self.side);
         let block = |k: usize| {

@@ -1,4 +1,4 @@
-//! Where the tool lay while it touched: on the surface that it ground, neither above it nor deep inside.
+//! Position of the tool in contact: on the surface that it ground, neither above it nor deep inside.
 //!
 //! ```text
 //!        ___                      ___
@@ -21,20 +21,19 @@ use super::{Names, Surfaces, touching};
 use crate::measure::{CLEARANCE, Freedom, median, register};
 use robot::{Tool, Wheel};
 
-/// Greatest gap between a touching tool and the surface [m]: five times the clearance that covers errors of pose, scan and
-/// part, and below the millimetre or more that a wrong unit, sign or reference point makes on a bead.
+/// Largest gap between a tool in contact and the surface [m]: five times the clearance for errors of pose, scan and
+/// part. It is less than the millimetre or more that a wrong unit, sign or reference point causes on a bead.
 const ABOVE: f64 = 5.0 * CLEARANCE;
-/// Gap that is worth a note [m]: midway, on a logarithmic scale, between what sound campaigns
-/// show (0.13 mm) and the greatest.
+/// Gap for a note [m]: the logarithmic middle between the largest gap of valid campaigns (0.13 mm) and the limit.
 const HIGH: f64 = 0.25e-3;
-/// Share of its radius that a wheel's rim may give: soft rims give a few hundredths; a log of the tip is a whole radius
-/// off. √(0.003 · 1) is about 0.05.
+/// Share of its radius by which a wheel's rim may be compressed: soft rims reach a few hundredths; a log of the tip is
+/// off by a whole radius. √(0.003 · 1) is about 0.05.
 const RIM_GIVES: f64 = 0.05;
-/// Depth that the foam behind a pad may give [m]: interface pads are 5 to 10 mm thick.
+/// Depth by which the foam behind a pad may be compressed [m]: interface pads are 5 to 10 mm thick.
 const PAD_GIVES: f64 = 10e-3;
-/// Poses that are looked at.
+/// Maximum number of poses that are checked.
 const LOOKED_AT: usize = 48;
-/// Factors by which a radius is often wrong, and what they are.
+/// Common wrong factors of a radius, and their descriptions.
 const RADII: [(f64, &str); 7] = [
     (10.0, "10 times too large"),
     (0.1, "10 times too small"),
@@ -44,13 +43,13 @@ const RADII: [(f64, &str); 7] = [
     (1e-3, "1000 times too small"),
     (1.0 / 25.4, "in inches"),
 ];
-/// Relative difference up to which a radius is one of those.
+/// Relative difference up to which a radius matches one of those factors.
 const SAME_RADIUS: f64 = 0.1;
 
-/// What may be wrong with the files.
+/// Hypothetical mistake in the files.
 #[derive(Clone, Copy, Default)]
 struct Supposed {
-    /// Added to the tool's place against the part [m].
+    /// Added to the tool's height over the part [m].
     lift: f64,
     /// Factor on the tool's z.
     log_scale: Option<f64>,
@@ -60,11 +59,11 @@ struct Supposed {
     turned: bool,
 }
 
-/// Gaps of a pass [m]: to the surface before it, and to the one that it left; positive where the tool is above.
+/// Gaps of a pass [m], relative to the surface before it and to the one that it left; positive if the tool is above.
 #[derive(Clone, Copy)]
 struct Gaps {
     before: f64,
-    /// The same as before where no surface was scanned after the pass.
+    /// Relative to the surface after the pass; equal to `before` if no surface was scanned.
     after: f64,
 }
 
@@ -76,14 +75,14 @@ struct Worked<'a> {
     after: Option<&'a HeightMap>,
 }
 
-/// Least gap of a tool to a surface on its whole path [m]; `None` where it never was over the map.
+/// Smallest gap between a tool and a surface on its whole path [m]; `None` if it never was over the map.
 pub fn least_gap(tool: &HeldTool, path: &ToolPath, map: &HeightMap) -> Option<f64> {
     let poses = spread_out(&path.poses.iter().collect::<Vec<_>>(), &map.pixels);
     let gaps = poses.par_iter().filter_map(|pose| gap(tool, pose, (map, Supposed::default())));
     gaps.collect::<Vec<f64>>().into_iter().reduce(f64::min)
 }
 
-/// Some of the contact must lie on the map.
+/// Refuses a pass without any contact on the map.
 pub(super) fn check_place(touching: &[&ToolPose], map: &HeightMap, place: &Place) -> Result<(), TrialError> {
     let PixelGrid { origin, nx, ny, .. } = map.pixels;
     if touching.is_empty() || touching.iter().any(|pose| map.pixels.nearest(pose.centre.truncate()).is_some()) {
@@ -101,7 +100,7 @@ pub(super) fn check_place(touching: &[&ToolPose], map: &HeightMap, place: &Place
     ))
 }
 
-/// Refuses a tool that lies far above the surface or far inside it; returns notes on smaller gaps.
+/// Refuses a tool that is far above the surface or far inside it; returns notes on smaller gaps.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
     let mut earlier = (surfaces.before.clone(), names.before);
@@ -120,14 +119,14 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(notes)
 }
 
-/// A scan laid on the first one by offset and tilt; as it is where that cannot be found.
+/// A scan registered with the first one by offset and tilt; unchanged if that fails.
 pub(super) fn levelled(after: &HeightMap, surfaces: &Surfaces, pass: usize) -> HeightMap {
     let free = surfaces.free_until(pass);
     let found = register(after, &surfaces.before, Freedom::Plane, |at| free[at]);
     found.map_or_else(|_| after.clone(), |found| found.levelled(after))
 }
 
-/// Some of the poses over the map, evenly spread.
+/// A subset of the poses over the map, evenly spread.
 fn spread_out<'a>(touching: &[&'a ToolPose], map: &PixelGrid) -> Vec<&'a ToolPose> {
     let over: Vec<&ToolPose> =
         touching.iter().copied().filter(|pose| map.nearest(pose.centre.truncate()).is_some()).collect();
@@ -142,11 +141,11 @@ struct Files<'a> {
     after: &'a Path,
 }
 
-/// Refuses gaps that no contact has; a note on those that only a soft tool or an offset explains.
+/// Refuses gaps that no contact has; returns a note on those that only a soft tool or an offset explains.
 fn judge(worked: &Worked, gaps: Gaps, files: &Files) -> Result<Option<String>, TrialError> {
     let told = |gap: f64, file: &Path| format!("z_mm: {}", describe(gap, file));
     if worked.is_contact(gaps) {
-        // A pad's foam gives by millimetres, unseen.
+        // A pad's foam may be compressed by millimetres, which no file records.
         let is_deep = gaps.after < -ABOVE && worked.after.is_some();
         return Ok(if gaps.before > HIGH {
             Some(told(gaps.before, files.before))
@@ -170,14 +169,14 @@ fn judge(worked: &Worked, gaps: Gaps, files: &Files) -> Result<Option<String>, T
         .bad(told(gap, file), format!("contact is expected: {}", worked.guesses(gap).join(" or "))))
 }
 
-/// A gap in words.
+/// Description of a gap.
 fn describe(gap: f64, surface: &Path) -> String {
     let (size, side) = (1e3 * gap.abs(), if gap > 0.0 { "above" } else { "below" });
     format!("while it presses, the tool lies {size:.2} mm {side} the surface of {}", surface.display())
 }
 
 impl Worked<'_> {
-    /// Whether such gaps are those of a tool in contact.
+    /// True if such gaps are plausible for a tool in contact.
     fn is_contact(&self, gaps: Gaps) -> bool {
         let gives = match &self.tool.shape {
             Tool::Wheel(Wheel { radius, .. }) => (RIM_GIVES * radius).max(ABOVE),
@@ -186,7 +185,7 @@ impl Worked<'_> {
         gaps.before <= ABOVE && (-gives..=ABOVE).contains(&gaps.after)
     }
 
-    /// Medians over the poses; `None` where no pose has a surface below it.
+    /// Medians over the poses; `None` if no pose has a surface below it.
     fn gaps(&self, supposed: Supposed) -> Option<Gaps> {
         let to = |map: &HeightMap| {
             let gaps = self.poses.par_iter().filter_map(|pose| gap(self.tool, &supposed.pose(pose), (map, supposed)));
@@ -198,7 +197,7 @@ impl Worked<'_> {
 
     /// Mistakes that explain a gap, as questions.
     fn guesses(&self, gap: f64) -> Vec<String> {
-        // A wheel that a mistake explains lies on the surface; how deep a pad's foam gives is unknown.
+        // With the mistake corrected, a wheel lies on the surface; the compression of a pad's foam is unknown.
         let is_near = |gaps: &Gaps| gaps.after >= -ABOVE || matches!(self.tool.shape, Tool::Pad(_));
         let explains = |supposed| self.gaps(supposed).is_some_and(|gaps| self.is_contact(gaps) && is_near(&gaps));
         let log = |scale: f64| Supposed { log_scale: Some(scale), ..Supposed::default() };
@@ -245,8 +244,8 @@ impl Supposed {
     }
 }
 
-/// How far the tool must go against its approach axis until it touches the map [m]; negative where it lies inside. `None`
-/// where no pixel lies below it.
+/// Distance that the tool must move against its approach axis to touch the map [m]; negative if it lies inside. `None`
+/// if no pixel lies below it.
 fn gap(tool: &HeldTool, pose: &ToolPose, (map, supposed): (&HeightMap, Supposed)) -> Option<f64> {
     let (pixels, scale, disc) = (map.pixels, supposed.map_scale.unwrap_or(1.0), tool.shape.rim_radius());
     let lift = |(at, &height): (usize, &f64)| {

@@ -1,4 +1,4 @@
-//! Two scans with the same heights are one scan: noise never repeats itself.
+//! Copied scans: two scans with the same heights are one scan, because noise never repeats.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use super::super::manifest::TRIAL_FILE;
 use super::super::{ExposureMask, PassScan, Trial};
 use super::{LEAST_PIXELS, Names, ground};
 
-/// Difference of two heights that writing them to a file makes [m]: two roundings to a nanometre.
+/// Difference of two heights that rounding in files produces [m]: two roundings to a nanometre.
 const ROUNDING: f64 = 2e-9;
 
-/// Coarsest step of heights in a file that is looked for [m].
+/// Coarsest rounding step of heights that is tested for [m].
 const COARSEST: f64 = 1e-4;
 
 /// Refuses scans that are copies of each other.
@@ -29,7 +29,7 @@ pub(super) fn check(trial: &Trial, names: &Names) -> Result<(), TrialError> {
     refuse_pair(trial, &masks.collect::<Vec<_>>(), are_same, "pixels")
 }
 
-/// Refuses the first pair of scans that are the same.
+/// Refuses the first pair of identical scans.
 fn refuse_pair<T>(
     trial: &Trial,
     scans: &[(&Path, &T)],
@@ -52,7 +52,7 @@ fn refuse_pair<T>(
     Ok(())
 }
 
-/// Whether two maps differ by nothing but a common offset and the rounding of the coarser one: independent noise exceeds half
+/// True if two maps differ only by a common offset and the rounding of the coarser one. Independent noise exceeds half
 /// a step somewhere among hundreds of pixels.
 fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
     let differences = || a.heights.iter().zip(&b.heights).map(|(a, b)| a - b).filter(|d| d.is_finite());
@@ -60,7 +60,7 @@ fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
         let ends = differences().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
         ends.1 - ends.0
     };
-    // The first pixels tell most scans apart.
+    // The first pixels distinguish most scans.
     let (low, high) = differences()
         .take(LEAST_PIXELS)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
@@ -72,7 +72,7 @@ fn are_copies(a: &HeightMap, b: &HeightMap) -> bool {
     spread() <= rounding + ROUNDING
 }
 
-/// The decimal step of which all heights of a map are multiples [m].
+/// Decimal rounding step of a map [m]: all heights are multiples of it.
 fn step(map: &HeightMap) -> f64 {
     let known = || map.heights.iter().filter(|height| height.is_finite());
     let fits =
@@ -81,7 +81,7 @@ fn step(map: &HeightMap) -> f64 {
     steps.into_iter().find(|step| fits(*step)).unwrap_or(0.0)
 }
 
-/// Whether two masks are the same and show both coating and substrate: masks of one kind alone may well repeat.
+/// True if two masks are equal and show both coating and substrate: masks of one kind alone may well repeat.
 fn are_same(a: &ExposureMask, b: &ExposureMask) -> bool {
     a.exposed == b.exposed && a.exposed.contains(&Some(true)) && a.exposed.contains(&Some(false))
 }

@@ -1,9 +1,10 @@
-//! Exposure masks against the path of the pad and against each other: what was sanded through lies where the pad was long, and
-//! stays exposed.
+//! Consistency of exposure masks with the pad's path and with each other: the exposed area lies where the pad stayed
+//! long, and stays exposed.
 //!
-//! The share of exposed pixels rises with the time that the pad was over them. Its likelihood under the best rising curve
-//! (pool adjacent violators) is that of the masks as read; a mirrored, displaced or inverted mask, or another radius, has
-//! its own. Neighbouring pixels are exposed together, so that pixels count as one over half a radius.
+//! The share of exposed pixels increases with the time under the pad. The likelihood under the best monotonic curve
+//! (pool adjacent violators) is computed for the masks as read, and for alternative readings: a mirrored, displaced or
+//! inverted mask, or another radius. Neighbouring pixels are exposed together, so all pixels within half a radius count
+//! as one.
 
 use std::fmt;
 
@@ -18,16 +19,16 @@ use super::super::{ExposureMask, PassScan, Trial};
 use super::{Names, Surfaces, odds};
 use robot::{Pad, Tool};
 
-/// Side of the squares of pixels over which exposure is one, in radii of the pad.
+/// Side of the blocks of pixels that count as one, in radii of the pad.
 const SQUARE: f64 = 0.5;
-/// Levels of time over a place that are told apart.
+/// Number of quantisation levels of the time under the pad.
 const LEVELS: usize = 24;
-/// Share of the pad's radius that a path is thinned to.
+/// Spacing to which a path is thinned, as a share of the pad's radius.
 const THIN: f64 = 0.1;
-/// Displacements that are looked for, in radii of the pad.
+/// Displacements that are tested, in radii of the pad.
 const WAYS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 
-/// How a mask may lie otherwise than it was read.
+/// Alternative reading of a mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Otherwise {
     MirroredX,
@@ -38,13 +39,13 @@ enum Otherwise {
     Radius(f64),
 }
 
-/// Where the pad was, and for how long.
+/// Positions of the pad, and their durations.
 struct Stay<'a> {
     poses: Vec<(&'a ToolPose, f64)>,
     radius: f64,
 }
 
-/// Refuses masks that contradict the pad's path, or each other.
+/// Refuses masks that contradict the pad's path or each other.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let Tool::Pad(Pad { radius }) = trial.tool.shape else { return Ok(Vec::new()) };
     let masks: Vec<&ExposureMask> = trial
@@ -66,7 +67,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(notes)
 }
 
-/// Refuses a mask that another reading explains far better; a note where it is likelier.
+/// Refuses a mask that an alternative reading explains far better; returns a note if it is likelier.
 fn judge(mask: &ExposureMask, stay: &Stay, place: Place, trial: &Trial) -> Result<Option<String>, TrialError> {
     let feed = trial.passes.iter().map(|pass| pass.feed).fold(0.0, f64::max);
     let here = stay.likelihood(mask, None);
@@ -108,13 +109,13 @@ impl<'a> Stay<'a> {
         Self { poses, radius }
     }
 
-    /// Time that the pad was over a place [s].
+    /// Time for which the pad was over a point [s].
     fn time(&self, at: DVec2, radius: f64) -> f64 {
         let near = |pose: &ToolPose| pose.centre.truncate().distance_squared(at) <= radius * radius;
         self.poses.iter().filter(|(pose, _)| near(pose)).map(|(_, time)| time).sum()
     }
 
-    /// Logarithm of the likelihood of a mask, read otherwise.
+    /// Log-likelihood of a mask under an alternative reading.
     fn likelihood(&self, mask: &ExposureMask, reading: Option<Otherwise>) -> f64 {
         let PixelGrid { origin, pitch, nx, ny } = mask.pixels;
         let ends = origin + mask.pixels.position(nx - 1, ny - 1);
@@ -146,11 +147,11 @@ impl<'a> Stay<'a> {
     }
 }
 
-/// Logarithm of the likelihood of answers under the best chance that rises with a value.
+/// Log-likelihood of binary values under the best probability that increases with a variable.
 fn rising(mut known: Vec<(f64, bool)>) -> f64 {
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let size = known.len().div_ceil(LEVELS).max(1);
-    // Blocks of answers and of those that are yes.
+    // Blocks: number of values, and number of true ones.
     let mut pooled: Vec<(f64, f64)> = Vec::new();
     for chunk in known.chunks(size) {
         pooled.push((chunk.len() as f64, chunk.iter().filter(|(_, yes)| *yes).count() as f64));
@@ -166,7 +167,7 @@ fn rising(mut known: Vec<(f64, bool)>) -> f64 {
     pooled.iter().map(|&(all, yes)| part(yes, all) + part(all - yes, all)).sum()
 }
 
-/// Refuses masks of which the later shows less.
+/// Refuses a mask that shows less exposure than an earlier one.
 fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<(), TrialError> {
     for (k, pair) in masks.windows(2).enumerate() {
         let count = |from: bool| {
@@ -195,7 +196,7 @@ fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<
     Ok(())
 }
 
-/// Exposed pixels beside coated ones: noise moves the border by a pixel.
+/// Number of exposed pixels beside coated ones: noise moves the border by a pixel.
 fn border(mask: &ExposureMask) -> f64 {
     let (nx, all) = (mask.pixels.nx, &mask.exposed);
     let coated = |at: Option<usize>| at.is_some_and(|at| all.get(at) == Some(&Some(false)));

@@ -1,5 +1,4 @@
-//! The scans of a ground workpiece, one after the other: swapped and displaced ones are found here and named, and removal
-//! where the tool never came.
+//! Sequence of a ground workpiece's scans: detects swapped and displaced scans, and removal away from the tool's path.
 
 use glam::DVec2;
 use sdf_bake::HeightMap;
@@ -9,23 +8,23 @@ use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces, odds, touching};
 use crate::measure::{Freedom, centre_and_sigma, register};
 
-/// Rise that is no noise [robust standard deviations of the untouched surface], and its least size [m].
+/// Rise that exceeds noise [robust standard deviations of the untouched surface], and its minimum size [m].
 const RISE: (f64, f64) = (4.0, 2e-6);
-/// Share of the touched pixels that rose, and how many times those that sank, which is no accident.
+/// Share of the touched pixels that rose, and their ratio to those that sank, above which the rise is significant.
 const ROSE: (f64, f64) = (0.1, 4.0);
-/// Displacements that are looked for [pixels], and the share of the difference that a true one leaves.
+/// Range of tested displacements [pixels], and the share of the difference that a true displacement leaves.
 const REACH: i64 = 8;
 const LEAVES: f64 = 0.5;
-/// Untouched pixels that are compared for that.
+/// Number of untouched pixels that are compared.
 const COMPARED: usize = 4000;
-/// Tilt of a scan against the one before that is worth a note [1].
+/// Tilt of a scan relative to the previous one for a note [1].
 const TILT: f64 = 5e-3;
-/// Shares of the ground area beside the tool's path: worth a note, and refused. Half of it lies beside a path of the same
-/// length and width that is off by half of its width or length; errors of clock and path leave a few hundredths.
+/// Shares of the ground area beside the tool's path: for a note, and for refusal. Half of it lies beside a path of
+/// equal length and width that is off by half of its width or length; errors of clock and path cause a few hundredths.
 const BESIDE: (f64, f64) = (0.1, 0.5);
 
-/// Refuses scans that are swapped or displaced, and removal beside the path; returns notes on strong tilts, which
-/// registration takes out, and on passes that removed nothing.
+/// Refuses scans that are swapped or displaced, and removal beside the path. Returns notes on strong tilts, which
+/// registration corrects, and on passes without removal.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
     let mut earlier = &surfaces.before;
@@ -38,7 +37,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(notes)
 }
 
-/// Whether a scan can follow another; notes where it is odd.
+/// Checks that a scan can follow another; returns notes on oddities.
 fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> Result<Vec<String>, TrialError> {
     let Ok(found) = register(now, earlier, Freedom::PlaneAndShift, |at| free[at]) else { return Ok(Vec::new()) };
     let touched: Vec<usize> = (0..free.len()).filter(|&at| !free[at]).collect();
@@ -76,7 +75,7 @@ fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> 
     Ok(tilted.into_iter().chain(beside(&cut, now, free, place)?).collect())
 }
 
-/// Pixels that a pass ground; `None` where the scans cannot be laid on each other.
+/// Pixels that a pass ground; `None` if the scans cannot be registered.
 fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
     let (now, free) = (surfaces.after.get(pass)?, &surfaces.free[pass]);
     let earlier = pass.checked_sub(1).map_or(&surfaces.before, |before| &surfaces.after[before]);
@@ -85,13 +84,13 @@ fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
     Some(cut(&left, (RISE.0 * found.sigma).max(RISE.1)))
 }
 
-/// Whether the scan after a pass lies below the one before it anywhere.
+/// True if the scan after a pass lies below the one before it anywhere.
 pub(super) fn shows_removal(surfaces: &Surfaces, pass: usize) -> bool {
     ground_by(surfaces, pass).is_some_and(|cut| cut.len() >= LEAST_PIXELS)
 }
 
-/// How far the middle of what a wheel ground lies beside its path, along its axis: a wide wheel grinds the same where it is
-/// off by a few millimetres, so that nothing else shows it.
+/// Distance between the middle of a wheel's ground area and its path, along its axis. A wide wheel that is off by a few
+/// millimetres grinds the same shape, so only this test shows the error.
 fn across(trial: &Trial, surfaces: &Surfaces, pass: usize) -> Option<String> {
     let axis = trial.tool.axis?;
     let cut = ground_by(surfaces, pass).filter(|cut| cut.len() >= LEAST_PIXELS)?;
@@ -109,7 +108,7 @@ fn across(trial: &Trial, surfaces: &Surfaces, pass: usize) -> Option<String> {
     })
 }
 
-/// Pixels that sank with all their neighbours along x and y: noise does that to none.
+/// Pixels that sank together with all their neighbours along x and y; noise produces none.
 fn cut(left: &HeightMap, clear: f64) -> Vec<usize> {
     let (nx, ny) = (left.pixels.nx, left.pixels.ny);
     let sank = |at: usize| left.heights[at] < -clear;
@@ -118,7 +117,8 @@ fn cut(left: &HeightMap, clear: f64) -> Vec<usize> {
     all.filter(|&at| [at, at - 1, at + 1, at - nx, at + nx].into_iter().all(sank)).collect()
 }
 
-/// Refuses a ground area that lies beside the tool's path; notes one that does in part, and a pass that ground nothing.
+/// Refuses a ground area beside the tool's path; returns a note if a part of it lies beside, and for a pass that ground
+/// nothing.
 fn beside(cut: &[usize], map: &HeightMap, free: &[bool], place: Place) -> Result<Option<String>, TrialError> {
     if cut.len() < LEAST_PIXELS {
         return Ok(cut.is_empty().then(|| "the pass removed nothing that rises above the noise".to_owned()));
@@ -150,7 +150,7 @@ fn beside(cut: &[usize], map: &HeightMap, free: &[bool], place: Place) -> Result
     ))
 }
 
-/// By how many pixels along x and y a scan lies beside another on the untouched surface, where that is beyond doubt.
+/// Displacement of a scan relative to another along x and y on the untouched surface [pixels], if it is certain.
 fn displaced(now: &HeightMap, earlier: &HeightMap, free: &[bool]) -> Option<[i64; 2]> {
     let (nx, ny) = (now.pixels.nx as i64, now.pixels.ny as i64);
     let inside = |at: usize| {

@@ -1,5 +1,5 @@
-//! The logs of a trial against their passes and against each other: the way the tool goes, logs that are copies of each
-//! other or changed places, sensors that are not connected.
+//! Consistency of a trial's logs with their passes and with each other: direction of the path, copied or swapped logs,
+//! disconnected sensors.
 
 use glam::DVec2;
 use sdf_bake::HeightMap;
@@ -13,24 +13,24 @@ use super::profile::{Contact, contacts, touch_level};
 use super::{Names, Surfaces, touching};
 use crate::measure::{CLEARANCE, median};
 
-/// Share of its way that a tool on a straight pass ends away from where it began: √½ and less has a turn of 90° in it.
+/// Distance between the ends of a straight pass over the length of its path: a path with a turn of 90° has √½ at most.
 const STRAIGHT: f64 = 0.9;
-/// Cosine of the angle between the way and `direction` below which they differ: 60°, midway between the same way and the
-/// axis across it (90°) beside an error of 30° that a skewed fixture makes.
+/// Cosine of the angle between path and `direction` below which they differ: 60°. It is midway between the axis across
+/// the path (90°) and an error of 30° from a skewed fixture.
 const SAME_WAY: f64 = 0.5;
-/// Times between two rows that logs of robots have [s]: 0.1 MHz, and one in which no force control would hold.
+/// Plausible sampling periods of robot logs [s]: 0.1 MHz, and one at which no force control would work.
 const PERIODS: (f64, f64) = (1e-5, 1.0);
-/// Relative difference of the force in the middle of a contact and the setpoint that is worth a note: the range of the gain of
-/// force sensors (`force-bias`); force control holds 2.5 % in all campaigns that were made to test this.
+/// Relative difference between the force in the middle of a contact and the setpoint for a note: the range of the gain
+/// of force sensors (`force-bias`). Force control holds 2.5 % in all campaigns made to test this.
 const FORCE_LEVEL: f64 = 0.1;
 /// Share of a contact at each end that its middle leaves out: entry and exit.
 const ENDS: f64 = 0.2;
-/// Depth of a pass above which the heights of two logs tell which of them came first [m]: twice what scan and pose may be off.
+/// Depth of a pass above which the heights of two logs show their order [m]: twice the error of scan and pose.
 const LEAST_DEPTH: f64 = CLEARANCE;
-/// Share of the contact beside the map that is worth a note: errors of clock and path leave a few hundredths.
+/// Share of the contact outside the map for a note: errors of clock and path cause a few hundredths.
 const BESIDE: f64 = 0.1;
 
-/// Refuses logs of another pass and columns that cannot be measured; returns notes.
+/// Refuses logs of another pass and columns that cannot be measurements; returns notes.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     check_copies(trial, names)?;
     let mut notes = Vec::new();
@@ -50,8 +50,8 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(notes)
 }
 
-/// Refuses a log that holds the rows of another one: noise never repeats itself. Logs without noise may well be alike, but
-/// not their times.
+/// Refuses a log with the rows of another one: noise never repeats. Logs without noise may be alike, but their times
+/// differ.
 fn check_copies(trial: &Trial, names: &Names) -> Result<(), TrialError> {
     for (k, pass) in trial.passes.iter().enumerate() {
         if let Some(first) = trial.passes[..k].iter().position(|first| first.log.rows == pass.log.rows) {
@@ -64,7 +64,7 @@ fn check_copies(trial: &Trial, names: &Names) -> Result<(), TrialError> {
     Ok(())
 }
 
-/// Refuses times that no robot logs at.
+/// Refuses sampling periods that no robot log has.
 fn check_period(log: &Log, place: &Place) -> Result<(), TrialError> {
     let period = median(log.rows.windows(2).map(|pair| pair[1].time - pair[0].time).collect()).unwrap_or(0.0);
     if period > PERIODS.1 {
@@ -82,18 +82,18 @@ fn check_period(log: &Log, place: &Place) -> Result<(), TrialError> {
     Ok(())
 }
 
-/// The way of a straight pass, unit, in the plane of the scan.
+/// Direction of a straight pass, unit, in the plane of the scan.
 fn way(log: &Log) -> Option<DVec2> {
     let places = || log.rows.iter().map(|row: &LogRow| row.position.truncate());
     let net = places().next_back()? - places().next()?;
-    // Steps longer than the jitter of the logged place: every twentieth of the way.
+    // Steps longer than the jitter of the logged position: every twentieth of the path.
     let stride = (log.rows.len() / 20).max(1);
     let kept: Vec<DVec2> = places().step_by(stride).chain(places().next_back()).collect();
     let length: f64 = kept.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     (length > 0.0 && net.length() > STRAIGHT * length).then(|| net.normalize())
 }
 
-/// Refuses a straight way that is not the pass's direction; guesses the log of another pass.
+/// Refuses a straight path that differs from the pass's direction; guesses the log of another pass.
 fn check_way(trial: &Trial, number: usize, names: &Names) -> Result<(), TrialError> {
     let Some(found) = way(&trial.passes[number].log) else { return Ok(()) };
     let stated = trial.passes[number].direction.truncate();
@@ -118,7 +118,7 @@ fn check_way(trial: &Trial, number: usize, names: &Names) -> Result<(), TrialErr
     ))
 }
 
-/// Refuses a force that never shows the contact of which the scans show the work.
+/// Refuses a force without contact if the scans show removal.
 fn check_contact(trial: &Trial, number: usize, (surfaces, place): (&Surfaces, Place)) -> Result<(), TrialError> {
     if !surfaces.shows_work(trial, number) {
         return Ok(());
@@ -133,7 +133,7 @@ fn check_contact(trial: &Trial, number: usize, (surfaces, place): (&Surfaces, Pl
     ))
 }
 
-/// A column of measured values that never changes.
+/// Note on a column of measured values that never changes.
 fn constant(pass: &Pass) -> Option<String> {
     let never = |of: &dyn Fn(&LogRow) -> f64| {
         let first = pass.log.rows.first().map(of)?;
@@ -147,7 +147,7 @@ fn constant(pass: &Pass) -> Option<String> {
     })
 }
 
-/// The force in the middle of the contact against the setpoint.
+/// Note on the force in the middle of the contact relative to the setpoint.
 fn force_level(pass: &Pass, poses: &[&ToolPose]) -> Option<String> {
     let cut = (ENDS * poses.len() as f64) as usize;
     let middle = &poses[cut..poses.len() - cut];
@@ -163,7 +163,7 @@ fn force_level(pass: &Pass, poses: &[&ToolPose]) -> Option<String> {
     })
 }
 
-/// A wheel whose axis lies along its way, so that its rim goes across it.
+/// Note on a wheel whose axis lies along its path, so that its rim moves across it.
 fn along(tool: &HeldTool, pass: &Pass) -> Option<String> {
     let axis = tool.axis?;
     let way = way(&pass.log)?;
@@ -175,7 +175,7 @@ fn along(tool: &HeldTool, pass: &Pass) -> Option<String> {
     })
 }
 
-/// How much of the contact lies beside the map.
+/// Note on the share of the contact outside the map.
 fn beside(poses: &[&ToolPose], map: &HeightMap) -> Option<String> {
     let outside = poses.iter().filter(|pose| map.pixels.nearest(pose.centre.truncate()).is_none()).count();
     let share = outside as f64 / poses.len().max(1) as f64;
@@ -187,9 +187,9 @@ fn beside(poses: &[&ToolPose], map: &HeightMap) -> Option<String> {
     })
 }
 
-/// Refuses the logs of two successive passes that changed places. In the right order the gaps of both to the surface that
-/// each left are alike; the other way round they differ by twice the depth of the second pass, and by once where the
-/// logged heights tell nothing.
+/// Refuses swapped logs of two successive passes. In the right order the gaps of both to the surface that each left are
+/// alike. If swapped, they differ by twice the depth of the second pass, and by once if the logged heights carry no
+/// information.
 fn check_order(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<(), TrialError> {
     let contacts = contacts(surfaces);
     for (k, pair) in contacts.windows(2).enumerate() {

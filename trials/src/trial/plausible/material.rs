@@ -1,4 +1,5 @@
-//! The material map against the surface before the first pass: a bead of weld metal stands out of the base metal.
+//! Consistency of the material map with the surface before the first pass: a bead of weld metal rises above the base
+//! metal.
 
 use sdf_bake::HeightMap;
 
@@ -6,11 +7,11 @@ use super::super::error::{Place, TrialError};
 use super::super::{LabelMap, Trial};
 use super::{LEAST_PIXELS, Surfaces, odds};
 
-/// Distance of the means of weld and base metal that is worth a note [standard deviations within a metal]: one, where half of
-/// each lies beyond the spread of the other. Beads stand out by 1.7 to 3.6.
+/// Distance between the means of weld and base metal for a note [standard deviations within a metal]: at one, half of
+/// each lies beyond the spread of the other. Beads rise by 1.7 to 3.6.
 const APART: f64 = 1.0;
 
-/// Refuses a material map that is mirrored against the bead; a note where weld metal lies below base metal.
+/// Refuses a material map that is mirrored relative to the bead; returns a note if weld metal lies below base metal.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces) -> Result<Option<String>, TrialError> {
     let Some(labels) = &trial.scans.material else { return Ok(None) };
     let (nx, ny) = (labels.pixels.nx, labels.pixels.ny);
@@ -50,7 +51,7 @@ struct Classes {
 }
 
 impl Classes {
-    /// Of the heights of a map, with the labels of other pixels; `None` where a metal is missing.
+    /// Statistics of a map's heights, with each label taken from pixel `from`; `None` if a metal is missing.
     fn of(labels: &LabelMap, map: &HeightMap, from: impl Fn(usize) -> usize) -> Option<Self> {
         let known = || (0..map.heights.len()).filter(|&at| map.heights[at].is_finite());
         let part = |is_weld: bool| {
@@ -68,7 +69,7 @@ impl Classes {
     }
 }
 
-/// Pieces of the map that count as one each: squares as wide as the weld, for its profile repeats along it.
+/// Number of independent parts of the map: blocks as wide as the weld, because its profile repeats along it.
 fn pieces(labels: &LabelMap) -> f64 {
     let nx = labels.pixels.nx;
     let weld = labels.labels.iter().filter(|label| **label != 0).count() as f64;

@@ -1,20 +1,20 @@
-//! Physical plausibility of a trial: can these files describe one workpiece and one tool?
+//! Physical plausibility of a trial: the files must be able to describe one workpiece and one tool.
 //!
-//! All checks run when a trial is read, before any simulation. Each refuses with file, column or key, the gap that it
+//! All checks run when a trial is read, before any simulation. Each check refuses with file, column or key, the gap
 //! found and a guess of the cause, or leaves a note:
 //!
-//! - [`logs`]: the way of the tool, logs that are copies or changed places, sensors that are not connected;
+//! - [`logs`]: direction of the path, copied or swapped logs, disconnected sensors;
 //! - [`pairs`]: scans that share their noise, and scans of another surface;
-//! - [`profile`]: the logged heights follow the scans, in no other frame better;
-//! - [`exposure`]: masks lie where the pad was, and no coating comes back;
-//! - [`material`]: the bead stands where the labels say;
-//! - [`across`]: trials that share files, or changed places;
+//! - [`profile`]: the logged heights follow the scans best in the frame as read;
+//! - [`exposure`]: exposed area lies where the pad was, and no coating returns;
+//! - [`material`]: the bead lies where the labels say;
+//! - [`across`]: trials that share files, or were swapped;
 //! - [`readings`]: force, feed and spindle speed of a log against the values of its pass;
 //! - [`copies`]: two scans with the same heights are one scan;
-//! - [`orientation`]: one scan is a mirror image of the others, or has another sign or unit;
-//! - [`contact`]: the tool must lie on the surface that it ground, neither above it nor deep inside;
+//! - [`orientation`]: a scan that is mirrored relative to the others, or has another sign or unit;
+//! - [`contact`]: the tool lies on the surface that it ground, neither above it nor deep inside;
 //! - [`follow`]: scans that are swapped or displaced, and removal beside the tool's path;
-//! - [`repeat`]: the repeated scan must differ from the first one by noise only.
+//! - [`repeat`]: the repeated scan differs from the first one only by noise.
 
 mod across;
 mod coarse;
@@ -45,12 +45,12 @@ use super::poses::{ToolPath, ToolPose};
 use super::{Checked, Finding, Pass, PassScan, Trial};
 use crate::measure::{CLEARANCE, despiked, untouched};
 
-/// Fewest pixels that a judgement needs: the standard error of a mean is then a tenth of the spread.
+/// Minimum number of pixels for a decision: the standard error of a mean is then a tenth of the spread.
 const LEAST_PIXELS: usize = 100;
-/// Time between two passes that is worth a note [s].
+/// Time between two passes for a note [s].
 const LONG_PAUSE: f64 = 3600.0;
 
-/// Names of a trial's files, as `trial.toml` gives them.
+/// Names of a trial's files, as given in `trial.toml`.
 pub(super) struct Names<'a> {
     before: &'a Path,
     repeats: Vec<&'a Path>,
@@ -69,15 +69,15 @@ impl<'a> Names<'a> {
     }
 }
 
-/// A trial's scans without spikes, with its paths.
+/// A trial's scans without spikes, and its paths.
 struct Surfaces {
     before: HeightMap,
     repeats: Vec<HeightMap>,
-    /// After each pass; empty when sanding.
+    /// Surface after each pass; empty for sanding.
     after: Vec<HeightMap>,
     /// Path of each pass.
     paths: Vec<ToolPath>,
-    /// For each pass and pixel: no tool came near it in this pass.
+    /// For each pass and pixel, true if no tool came close to it in this pass.
     free: Vec<Vec<bool>>,
 }
 
@@ -96,7 +96,7 @@ impl Surfaces {
         }
     }
 
-    /// Whether the scan after a pass shows that something was removed or exposed since the one before.
+    /// True if the scan after a pass shows removal or exposure since the previous one.
     fn shows_work(&self, trial: &Trial, pass: usize) -> bool {
         let scan = |number: usize| trial.passes.get(number).map(|pass| &pass.scan);
         match (scan(pass), pass.checked_sub(1).and_then(scan)) {
@@ -111,7 +111,7 @@ impl Surfaces {
         }
     }
 
-    /// Pixels that no pass up to this one came near; all pixels where those are too few to judge by.
+    /// Pixels that no pass up to this one came close to; all pixels if those are too few.
     fn free_until(&self, pass: usize) -> Vec<bool> {
         let alone = |at: usize| self.free[..=pass].iter().all(|free| free[at]);
         let free: Vec<bool> = (0..self.before.heights.len()).map(alone).collect();
@@ -120,7 +120,7 @@ impl Surfaces {
     }
 }
 
-/// The ground surface after a pass; `None` when sanding.
+/// The ground surface after a pass; `None` for sanding.
 fn ground(pass: &Pass) -> Option<&HeightMap> {
     match &pass.scan {
         PassScan::Heights(map) => Some(map),
@@ -128,10 +128,10 @@ fn ground(pass: &Pass) -> Option<&HeightMap> {
     }
 }
 
-/// Result of a check: notes, or the reason for which the trial cannot be used.
+/// Result of a check: notes, or the reason for refusal.
 type Outcome = Result<Vec<String>, TrialError>;
 
-/// Refuses a trial whose files contradict each other, and notes what is odd.
+/// Refuses a trial whose files contradict each other, and adds notes on oddities.
 pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> {
     let mut noted = Noted::of(trial);
     run(trial, names, &mut |check, found| noted.add(check, found))?;
@@ -140,7 +140,7 @@ pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> 
     Ok(())
 }
 
-/// All that the checks find, the refused beside the noted: each goes on where one before it refused.
+/// Runs all checks and returns all findings; a refusal does not stop the later checks.
 pub(super) fn check_all(trial: &mut Trial, names: &Names) -> Vec<Checked> {
     let mut noted = Noted::of(trial);
     let mut all: Vec<Checked> = Vec::new();
@@ -162,7 +162,7 @@ pub(super) fn check_all(trial: &mut Trial, names: &Names) -> Vec<Checked> {
     all
 }
 
-/// Hands the outcome of every check to `each`, until that refuses one.
+/// Passes the outcome of every check to `each`, until that returns an error.
 fn run(
     trial: &Trial,
     names: &Names,
@@ -195,7 +195,7 @@ fn run(
     each("pause", Ok(pauses(trial, names)))
 }
 
-/// Notes so far.
+/// Notes collected so far.
 struct Noted {
     /// Name of the trial.
     trial: String,
@@ -208,7 +208,7 @@ impl Noted {
         Self { trial: trial.name.clone(), notes: Vec::new(), findings: Vec::new() }
     }
 
-    /// Takes over the notes of a check, each once.
+    /// Adds the notes of a check, each once.
     fn add(&mut self, check: &'static str, found: Outcome) -> Result<(), TrialError> {
         for note in found.map_err(|error| error.by(check))? {
             if !self.notes.contains(&note) {
@@ -220,19 +220,19 @@ impl Noted {
     }
 }
 
-/// What is odd about the times between passes.
+/// Notes on the times between passes.
 fn pauses(trial: &Trial, names: &Names) -> Vec<String> {
     let pairs = trial.passes.windows(2).zip(&names.logs[1..]);
     pairs.filter_map(|(pair, name)| Some(format!("{}: {}", name.display(), pause(&pair[0], &pair[1])?))).collect()
 }
 
-/// Poses of a path while the tool touched; none where the force never rose above its noise.
+/// Poses of a path in contact; none if the force never exceeded its noise.
 fn touching(path: &ToolPath) -> Vec<&ToolPose> {
     let Some(contact) = path.contact else { return Vec::new() };
     path.poses.iter().filter(|pose| (contact.start..=contact.end).contains(&pose.time)).collect()
 }
 
-/// What is odd about the time between two passes.
+/// Note on the time between two passes.
 fn pause(before: &Pass, after: &Pass) -> Option<String> {
     let (first, last) = (before.log.rows.first()?.time, before.log.rows.last()?.time);
     let start = after.log.rows.first()?.time;

@@ -1,4 +1,5 @@
-//! One scan against the others: a mirror image, another sign or another unit shows where no tool came.
+//! Orientation of one scan relative to the others: a mirror image, another sign or another unit shows on the untouched
+//! surface.
 
 use std::fmt;
 
@@ -9,16 +10,17 @@ use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces};
 use crate::measure::{Freedom, MAD_TO_SIGMA, has_slope, median, register};
 
-/// Share of the difference of two scans that the right relation leaves at most: 1/√2, where the wrong one adds as much as the
-/// noise. Without noise beyond the scans' own, no relation leaves less than none.
+/// Share of the difference of two scans that the right relation leaves at most: 1/√2, where the wrong relation adds as
+/// much as the noise. In the absence of noise beyond the scans' own, no relation leaves less than that noise.
 const LEAVES: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Mean difference that noise may make [noises of a pixel], and its least size [m]: noise that neighbours share makes
-/// differences of up to three noises of a pixel, twice that is none. The right relation leaves less.
+/// Mean difference that noise may cause [standard deviations of a pixel's noise], and its minimum size [m]. Noise
+/// shared by neighbours causes differences of up to three; more than twice that is not noise. The right relation leaves
+/// less.
 const NOISE: (f64, f64) = (6.0, 2e-6);
-/// Pixels that are compared.
+/// Number of pixels that are compared.
 const COMPARED: usize = 4000;
 
-/// How the heights of one scan lie in those of another.
+/// Relation of the heights of one scan to those of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Relation {
     MirroredX,
@@ -40,7 +42,7 @@ const RELATIONS: [Relation; 7] = [
     Relation::Millimetres,
 ];
 
-/// Refuses a scan that is the others' mirror image, or in another sign or unit.
+/// Refuses a scan that is mirrored relative to the others, or has another sign or unit.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<(), TrialError> {
     let everywhere = vec![true; surfaces.before.heights.len()];
     let repeats = names.repeats.iter().zip(&surfaces.repeats).map(|(name, map)| (*name, map, everywhere.clone()));
@@ -53,7 +55,8 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let relation = related[odd].expect("it has one");
     let place = |name| Place::file(&trial.folder.join(name));
     let accepted = "all scans in one orientation, sign and unit are expected";
-    // Where all other scans lie alike in the first one, the first one is odd; else a third scan tells, where no tool came.
+    // If all other scans have the same relation to the first one, the first one is wrong; otherwise a third scan
+    // decides, on the untouched surface.
     let all_alike = others.len() > 1 && related.iter().all(|other| *other == Some(relation));
     let witness = (0..others.len()).find(|&k| k != odd);
     let is_first = all_alike
@@ -80,7 +83,7 @@ impl Relation {
         }
     }
 
-    /// The heights that another scan has where it is in this relation to `map`; `None` where its pixels cannot be.
+    /// The heights of a scan in this relation to `map`; `None` if its pixels do not allow it.
     fn of(self, map: &HeightMap) -> Option<HeightMap> {
         let (nx, ny) = (map.pixels.nx, map.pixels.ny);
         let moved = |from: &dyn Fn(usize, usize) -> usize| {
@@ -117,19 +120,19 @@ impl fmt::Display for Relation {
     }
 }
 
-/// The relation in which one scan is to another, where that is beyond doubt.
+/// The relation between two scans, if it is certain.
 fn relation(scan: &HeightMap, before: &HeightMap, mask: &[bool]) -> Option<Relation> {
     let here = misfit(scan, before, mask)?;
     let noise = (NOISE.0 * pixel_noise(scan).max(pixel_noise(before))).max(NOISE.1);
     let misfits = RELATIONS.iter().filter_map(|&way| Some((way, misfit(scan, &way.of(before)?, mask)?)));
     let (best, least) = misfits.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    // A scan of nothing but noise is near to nothing in any unit.
+    // A scan of pure noise is close to zero in any unit.
     let is_scale = matches!(best, Relation::Metres | Relation::Millimetres);
     let is_clear = here > if is_scale { noise } else { NOISE.1 };
     (is_clear && least < noise && least < LEAVES * here).then_some(best)
 }
 
-/// Mean difference of two scans over a mask after offset, tilt and shift [m]; `None` where too few pixels are known.
+/// Mean difference of two scans over a mask after offset, tilt and shift [m]; `None` if too few pixels are known.
 fn misfit(scan: &HeightMap, other: &HeightMap, mask: &[bool]) -> Option<f64> {
     let known = |at: &usize| mask[*at] && (scan.heights[*at] - other.heights[*at]).is_finite();
     let all: Vec<usize> = (0..mask.len()).filter(known).collect();
@@ -142,7 +145,7 @@ fn misfit(scan: &HeightMap, other: &HeightMap, mask: &[bool]) -> Option<f64> {
     (sizes.len() >= LEAST_PIXELS).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64)
 }
 
-/// Noise of single pixels [m]: from second differences along the rows, which slopes leave at zero. Their variance is six
+/// Noise of single pixels [m] from second differences along the rows, which are zero for slopes. Their variance is six
 /// times that of a pixel.
 pub(super) fn pixel_noise(map: &HeightMap) -> f64 {
     let rows = map.heights.chunks(map.pixels.nx);

@@ -1,9 +1,9 @@
-//! All scans of a trial in pairs, where no tool came: how far apart they are from pixel to pixel, and from tile to tile.
+//! Pairwise differences of a trial's scans on the untouched surface, from pixel to pixel and from tile to tile.
 //!
-//! Noise is each scan's own. Pairs of scans differ alike from pixel to pixel, whatever the surface; a pair that shares its
-//! noise is one scan. Tiles, over which the noise of pixels evens out, differ by the noise that neighbours share; a scan
-//! of another surface differs from all others by far more. What effects of the scanner and a plate that warps make is
-//! taken out first: a bow, a share of the height and one of the squared slope.
+//! Each scan has its own noise. From pixel to pixel all pairs differ by the same amount, whatever the surface; a pair
+//! that shares its noise is one scan. In tiles the noise of pixels averages out, and the noise shared by neighbours
+//! remains; a scan of another surface differs from all others by far more. Contributions of scanner effects and of a
+//! warping plate are removed first: a bow, a share of the height and one of the squared slope.
 
 use std::path::Path;
 
@@ -15,41 +15,42 @@ use super::orientation::pixel_noise;
 use super::{LEAST_PIXELS, Names, Surfaces};
 use crate::measure::{Freedom, centre_and_sigma, has_slope, median, register};
 
-/// Side of a tile [pixels], and the fewest tiles that tell a spread within a fifth.
+/// Side of a tile [pixels], and the minimum number of tiles that give a spread within a fifth.
 const TILE: usize = 6;
 const LEAST_TILES: usize = 12;
-/// Share of the usual difference from pixel to pixel below which two scans share their noise: they would have 99 % of its
-/// variance in common. Instruments whose scans share most of it, by a pattern of their own, reach 0.28.
+/// Share of the usual difference from pixel to pixel below which two scans share their noise: 99 % of its variance
+/// would be common. Instruments whose scans share most of it, through a fixed pattern, reach 0.28.
 const SHARED: f64 = 0.1;
-/// Difference from pixel to pixel below which scans have no noise that they could share [m]: ten steps of a nanometre, to which
-/// heights are written.
+/// Difference from pixel to pixel below which scans have no noise that they could share [m]: ten steps of a nanometre,
+/// the rounding of heights in files.
 const QUIET: f64 = 1e-8;
-/// Difference of tiles over the usual one from which a scan shows another surface: between scans of one surface it varies
-/// threefold, another workpiece makes thirty and more.
+/// Ratio of a tile difference to the usual one above which a scan shows another surface. Between scans of one surface
+/// it varies threefold; another workpiece causes thirty and more.
 const OTHER: f64 = 10.0;
-/// Excess of heights that is no effect of a scanner: twice the range of `height-gain` and more, for both scans may have it.
+/// Relative excess of heights beyond any scanner effect: more than twice the range of `height-gain`, because both scans
+/// may have it.
 const GAIN: f64 = 0.1;
-/// Share of a shape's length that the others must leave of it.
+/// Share of a shape's norm that must remain after projection on the others.
 const INDEPENDENT: f64 = 1e-6;
-/// Least difference of tiles that counts [m].
+/// Minimum difference of tiles that counts [m].
 const LEAST: f64 = 2e-6;
 
-/// How far apart two scans are where no tool came, for one of them.
+/// Difference of two scans on the untouched surface, per scan.
 #[derive(Clone, Copy, Debug)]
 struct Apart {
-    /// Places of the two among the scans.
+    /// Indices of the two scans.
     of: (usize, usize),
-    /// Robust standard deviation of what differs from pixel to pixel [m].
+    /// Robust standard deviation of the difference from pixel to pixel [m].
     pixels: f64,
-    /// Robust standard deviation of the medians of tiles, what the scanner's effects may make taken out [m].
+    /// Robust standard deviation of the tiles' medians, without contributions of scanner effects [m].
     tiles: f64,
-    /// Relative excess of the heights of the later one.
+    /// Relative excess of the heights of the later scan.
     gain: f64,
-    /// What that excess makes in the tiles [m].
+    /// Contribution of that excess to the tiles [m].
     gained: f64,
 }
 
-/// Refuses scans that share their noise, and those that show another surface than the others; returns notes.
+/// Refuses scans that share their noise, and scans that show another surface than the others; returns notes.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Option<String>, TrialError> {
     let first = (names.before, &surfaces.before);
     let repeats = names.repeats.iter().copied().zip(&surfaces.repeats);
@@ -96,8 +97,8 @@ fn sharing(pairs: &[Apart]) -> Option<(&Apart, f64)> {
     Some((pairs.iter().find(|pair| pair.pixels < SHARED * usual)?, usual))
 }
 
-/// Least difference of tiles between one scan and the others [m], the same of what an excess of heights beyond effects makes, and
-/// the usual difference between those others [m].
+/// Smallest difference of tiles between one scan and the others [m], the smallest contribution of an excess of heights
+/// beyond effects, and the usual difference between those others [m].
 fn against_others(pairs: &[Apart], odd: usize) -> Option<[f64; 3]> {
     let has = |pair: &&Apart| pair.of.0 == odd || pair.of.1 == odd;
     let gained = |pair: &Apart| if pair.gain.abs() > GAIN { pair.gained } else { 0.0 };
@@ -106,7 +107,7 @@ fn against_others(pairs: &[Apart], odd: usize) -> Option<[f64; 3]> {
     Some([least(&|pair| pair.tiles)?, least(&gained)?, usual])
 }
 
-/// What is odd about the only two scans of a surface.
+/// Note on the only two scans of a surface.
 fn lonely(pair: Apart, scans: &[(&Path, &HeightMap)]) -> Option<String> {
     let own = pixel_noise(scans[pair.of.0].1).min(pixel_noise(scans[pair.of.1].1));
     let first = scans[pair.of.0].0.display();
@@ -118,7 +119,8 @@ fn lonely(pair: Apart, scans: &[(&Path, &HeightMap)]) -> Option<String> {
         ));
     }
     let clear = (OTHER * pair.pixels).max(LEAST);
-    // More than all else that the tiles differ by: at a dozen tiles or more, noise does so with a chance below 1e-3.
+    // Larger than all other differences of the tiles: with a dozen tiles or more, noise causes this with a probability
+    // below 1e-3.
     if pair.gain.abs() > GAIN && pair.gained > pair.tiles.max(LEAST) {
         let times = 1.0 + pair.gain;
         return Some(format!("its heights are {times:.2} times those of {first}: is one of them scaled?"));
@@ -146,8 +148,7 @@ fn all(scans: &[(&Path, &HeightMap)], surfaces: &Surfaces) -> Vec<Apart> {
 }
 
 impl Apart {
-    /// Compares two scans over a mask, of which a bow is taken out where a pass lies between them; `None` where too little is
-    /// known.
+    /// Compares two scans over a mask. A bow is removed if a pass lies between them. `None` if too little is known.
     fn new(scans: &[(&Path, &HeightMap)], of: (usize, usize), mask: &[bool], bows: bool) -> Option<Self> {
         let (reference, scan) = (scans[of.0].1, scans[of.1].1);
         let found = register(scan, reference, Freedom::PlaneAndShift, |at| mask[at]).ok()?;
@@ -166,17 +167,17 @@ impl Apart {
     }
 }
 
-/// A tile: the median of what is left there, and what the scanner's effects make of the surface.
+/// A tile: the median of its residuals, and the contributions of scanner effects.
 struct Tile {
     left: f64,
-    /// One, place, its squares, squared slope, height.
+    /// Constant, position, its squares, squared slope, height.
     shapes: [f64; SHAPES],
 }
 
-/// What two scans of one surface may differ by at most in smooth ways, the height last.
+/// Number of smooth shapes by which two scans of one surface may differ, the height last.
 const SHAPES: usize = 8;
 
-/// Tiles of which at least half is known; without a pass between two scans the plate did not warp.
+/// Tiles of which at least half is known; without a pass between two scans there is no bow.
 fn tiles(left: &HeightMap, reference: &HeightMap, bows: bool) -> Vec<Tile> {
     let PixelGrid { pitch, nx, ny, .. } = left.pixels;
     let tile = |(first, top): (usize, usize)| {
@@ -203,8 +204,8 @@ fn tiles(left: &HeightMap, reference: &HeightMap, bows: bool) -> Vec<Tile> {
     corners.filter_map(tile).collect()
 }
 
-/// Takes out of the tiles what their shapes explain, by Gram and Schmidt's method. Returns the robust spread of what is left
-/// [m], the factor of the height, and the spread of heights that no other shape explains [m].
+/// Removes from the tiles the part explained by their shapes, by the Gram-Schmidt method. Returns the robust spread of
+/// the rest [m], the coefficient of the height, and the spread of heights that no other shape explains [m].
 fn explained(tiles: &[Tile]) -> Option<(f64, f64, f64)> {
     if tiles.len() < LEAST_TILES {
         return None;

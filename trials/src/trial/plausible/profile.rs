@@ -1,13 +1,13 @@
-//! The tool's logged height along its path against the surface that it left: in contact it follows that surface.
+//! Consistency of the tool's logged heights with the surface that it left: in contact they follow that surface.
 //!
 //! ```text
 //!   z of the log less the height at which the tool touches the scan, a straight line taken out:
 //!   ~~~~~~~~~~~~~  scan and log in one frame        _/\__/‾\_/  one of them mirrored, displaced or of another scale
 //! ```
 //!
-//! For each way in which the two frames may differ, the spread of that gap is measured. The likelihood of a normal law
-//! with unknown variance falls as `spread^-n`, so that `n ln(spread as read / spread otherwise)` is the logarithm of the
-//! odds; `n` counts runs of one sign, for neighbouring poses share their gap.
+//! For each possible relation between the two frames, the spread of that gap is measured. The likelihood of a normal
+//! distribution with unknown variance is proportional to `spread^-n`, so `n ln(spread as read / spread otherwise)` is
+//! the logarithm of the odds; `n` counts runs of one sign, because neighbouring poses share their gap.
 
 use std::fmt;
 
@@ -22,21 +22,23 @@ use super::super::{HeldTool, Trial};
 use super::{Names, Surfaces, contact, odds, touching};
 use robot::{Tool, Wheel};
 
-/// Least spread that is told from none [m]: pose and scan of good instruments err by as much.
+/// Minimum spread [m]: the errors of pose and scan of good instruments.
 const FINEST: f64 = 2e-6;
-/// Share of the spread of the logged heights that a surface leaves which explains them; more, and the log does not follow it.
+/// Share of the spread of the logged heights below which the rest is explained by the surface; above it, the log does
+/// not follow the surface.
 const FOLLOWS: f64 = 0.5;
-/// Poses that are looked at, the fewest that tell anything, and the share of them that must lie on the map.
+/// Maximum number of poses that are checked, the minimum number, and the share of them that must lie on the map.
 const LOOKED_AT: usize = 64;
 const LEAST_POSES: usize = 12;
 const ON_THE_MAP: f64 = 0.7;
-/// Displacements that are looked for [m], and their step.
+/// Range of displacements that are tested [m], and their step.
 const REACH: f64 = 10e-3;
 const STEP: f64 = 1e-3;
-/// Multiple of the displacement that effects make from which one is a fault of the files: nearer ones fit a hidden effect in part.
+/// Multiple of the largest displacement by effects above which a displacement is a fault of the files; smaller ones
+/// partly fit a hidden effect.
 const EFFECTS: f64 = 1.5;
 
-/// How the frame of the log may differ from that of the scans.
+/// Possible relation of the log's frame to that of the scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Frame {
     AsRead,
@@ -44,9 +46,9 @@ pub(super) enum Frame {
     MirroredY,
     HalfTurn,
     Transposed,
-    /// The path lies so far beside where it was [m].
+    /// The path is displaced [m].
     Displaced(DVec2),
-    /// Pixels are so many times larger, and whether the origin is as well.
+    /// The pixels are larger by a factor; true if the origin is scaled as well.
     Pitch(f64, bool),
     /// The wheel's axis lies along x instead of y, or the reverse.
     TurnedAxis,
@@ -58,16 +60,16 @@ pub(super) struct Contact<'a> {
     pub(super) map: HeightMap,
 }
 
-/// Gaps along a path, a straight line taken out.
+/// Gaps along a path, without their linear trend.
 #[derive(Clone, Copy, Debug)]
 struct Gaps {
     /// Root mean square [m].
     spread: f64,
-    /// Runs of one sign.
+    /// Number of runs of one sign.
     runs: f64,
 }
 
-/// Refuses logs whose heights follow the scans in another frame only; a note where that is likelier.
+/// Refuses logs whose heights follow the scans only in another frame; returns a note if that is likelier.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Option<String>, TrialError> {
     let contacts = contacts(surfaces);
     let feed = trial.passes.iter().map(|pass| pass.feed).fold(0.0, f64::max);
@@ -89,7 +91,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(note)
 }
 
-/// The passes' poses in contact with the surfaces that they left, in the frame of the first scan.
+/// Poses in contact of each pass with the surface that it left, in the frame of the first scan.
 pub(super) fn contacts(surfaces: &Surfaces) -> Vec<Contact<'_>> {
     let one = |(pass, path)| {
         let poses = touching(path);
@@ -101,7 +103,7 @@ pub(super) fn contacts(surfaces: &Surfaces) -> Vec<Contact<'_>> {
     surfaces.paths.iter().enumerate().map(one).collect()
 }
 
-/// Frames that another orientation or scale makes.
+/// Frames with another orientation or scale.
 fn frames() -> Vec<Frame> {
     vec![
         Frame::MirroredX,
@@ -116,7 +118,7 @@ fn frames() -> Vec<Frame> {
     ]
 }
 
-/// Displacements beyond those that effects make.
+/// Displacements beyond those that effects cause.
 fn displaced(feed: f64) -> Vec<Frame> {
     let steps = (REACH / STEP) as i32;
     let ways = (-steps..=steps).map(|step| f64::from(step) * STEP);
@@ -124,7 +126,7 @@ fn displaced(feed: f64) -> Vec<Frame> {
     far.flat_map(|way| [DVec2::new(way, 0.0), DVec2::new(0.0, way)].map(Frame::Displaced)).collect()
 }
 
-/// The likeliest of some frames, with the logarithm of its odds against the one as read.
+/// The likeliest of some frames, with the logarithm of its odds against the frame as read.
 fn best(tool: &HeldTool, contacts: &[Contact], frames: &[Frame]) -> Option<(Frame, f64)> {
     let here: Vec<Option<Gaps>> = contacts.iter().map(|contact| contact.gaps(tool, Frame::AsRead)).collect();
     let odds = |&frame: &Frame| {
@@ -133,11 +135,12 @@ fn best(tool: &HeldTool, contacts: &[Contact], frames: &[Frame]) -> Option<(Fram
         (frame, all.map(|((contact, here), there)| log_odds(contact.heights(), *here, there)).sum::<f64>())
     };
     let all: Vec<(Frame, f64)> = frames.par_iter().map(odds).collect();
-    // The first of equals.
+    // The first of equal ones.
     all.into_iter().rev().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Logarithm of the odds of one frame against another, from the gaps of a pass; zero where neither explains the logged heights.
+/// Logarithm of the odds of one frame against another, from the gaps of a pass; zero if neither explains the logged
+/// heights.
 fn log_odds(heights: Option<Gaps>, here: Option<Gaps>, there: Option<Gaps>) -> f64 {
     let (Some(heights), Some(there)) = (heights, there) else { return 0.0 };
     let here = here.unwrap_or(heights);
@@ -155,7 +158,7 @@ fn pooled(tool: &HeldTool, contacts: &[Contact], frame: Frame) -> f64 {
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
-/// Mean gap of a path to a map [m]; `None` where too little of it is known.
+/// Mean gap between a path and a map [m]; `None` if too little of it is known.
 pub(super) fn touch_level(tool: &HeldTool, contact: &Contact, map: &HeightMap) -> Option<f64> {
     let relief = relief(map);
     let gap = |pose: &&ToolPose| {
@@ -167,21 +170,21 @@ pub(super) fn touch_level(tool: &HeldTool, contact: &Contact, map: &HeightMap) -
     (gaps.len() >= LEAST_POSES).then(|| gaps.iter().sum::<f64>() / gaps.len() as f64)
 }
 
-/// Height from the lowest to the highest pixel [m].
+/// Height difference between the lowest and the highest pixel [m].
 fn relief(map: &HeightMap) -> f64 {
     let known = map.heights.iter().filter(|height| height.is_finite());
     let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)));
     high - low
 }
 
-/// Logarithm of the odds that a path belongs to the surface of another pass, not to its own.
+/// Logarithm of the odds that a path belongs to the surface of another pass.
 pub(super) fn odds_of_another(tool: &HeldTool, own: &Contact, other: &HeightMap) -> f64 {
     let there = gaps_along(tool, &own.poses, other, |at| at);
     log_odds(own.heights(), own.gaps(tool, Frame::AsRead), there)
 }
 
 impl Contact<'_> {
-    /// The logged heights themselves as gaps to a plane.
+    /// The logged heights as gaps to a plane.
     fn heights(&self) -> Option<Gaps> {
         Gaps::of(&self.poses.iter().enumerate().map(|(k, pose)| (k as f64, pose.centre.z)).collect::<Vec<_>>())
     }
@@ -212,7 +215,7 @@ impl Contact<'_> {
 }
 
 impl Gaps {
-    /// Of values at places, a straight line taken out; `None` of too few.
+    /// Gaps from values at positions, without their linear trend; `None` if they are too few.
     fn of(gaps: &[(f64, f64)]) -> Option<Self> {
         if gaps.len() < LEAST_POSES {
             return None;
@@ -228,7 +231,7 @@ impl Gaps {
     }
 }
 
-/// Gaps of a path to a map, where the places of the log are moved; `None` where too much of the path lies beside the map.
+/// Gaps of a path to a map, with the log's positions transformed; `None` if too much of the path lies outside the map.
 fn gaps_along(
     tool: &HeldTool,
     poses: &[&ToolPose],
@@ -248,12 +251,12 @@ fn gaps_along(
     Gaps::of(&gaps)
 }
 
-/// Height of a wheel's centre where it touches a map at a place; mean height under a disc, which a pad's foam evens out [m].
-/// `None` where nothing is known below.
+/// Height of a wheel's centre where it touches a map; for a disc the mean height under it, because a pad's foam
+/// averages it out [m]. `None` if nothing is known below.
 fn touch(tool: &HeldTool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relief: f64) -> Option<f64> {
     let pixels = map.pixels;
     let (reach, axis) = match &tool.shape {
-        // Beyond this a wheel's rim is higher than the map's relief above its lowest point.
+        // Beyond this distance a wheel's rim is above its lowest point by more than the map's relief.
         Tool::Wheel(Wheel { radius, width, .. }) => {
             ((2.0 * radius * relief).sqrt().min(*radius).hypot(0.5 * width), pose.axis.truncate())
         }
@@ -289,7 +292,7 @@ fn touch(tool: &HeldTool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relie
 }
 
 impl Frame {
-    /// What may be wrong.
+    /// The possible cause, as a question.
     fn guess(self) -> String {
         match self {
             Self::AsRead => String::new(),

@@ -1,4 +1,4 @@
-//! Force, feed and spindle speed of a log against the values that its pass states: a wrong unit or sign is named.
+//! Force, feed and spindle speed of a log against the stated values of its pass; a wrong unit or sign is named.
 
 use std::path::Path;
 
@@ -10,22 +10,22 @@ use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{Motion, NOISE_SIGMAS, force_noise};
 use super::super::{Pass, Trial};
 
-/// Factor between a logged value and the stated one from which one of them is wrong: √10, midway between a right value
-/// and the nearest mistakes of unit on a logarithmic scale (kgf or daN 0.1, lbf 0.22, rad/s 0.105, mm/min 60, kN 0.001).
+/// Factor between a logged and a stated value above which one of them is wrong: √10, the logarithmic middle between a
+/// right value and the nearest confusions of units (kgf or daN 0.1, lbf 0.22, rad/s 0.105, mm/min 60, kN 0.001).
 const WRONG: f64 = 3.162_277_660_168_379_5;
-/// Factor between logged speed and feed that is worth a note.
+/// Factor between logged speed and feed for a note.
 const ODD_SPEED: f64 = 1.25;
-/// Factor between a ratio and a unit's own that still names the unit: sensors and drives err by less.
+/// Tolerance factor between a ratio and a unit's own ratio: errors of sensors and drives are smaller.
 const NAMED: f64 = 1.25;
-/// Factors around a thousand that name metres, micrometres and milliseconds.
+/// Factors around a thousand that indicate metres, micrometres or milliseconds.
 const THOUSAND: std::ops::Range<f64> = 500.0..2000.0;
-/// Share of the map's length below which a path is one in metres, and multiple above which it is one in micrometres:
-/// midway, on a logarithmic scale, between a path over the map and one that is a thousand times shorter or longer.
+/// Share of the map's length below which a path is in metres, and multiple above which it is in micrometres: the
+/// logarithmic middle between a path over the map and one that is a thousand times shorter or longer.
 const LENGTHS: (f64, f64) = (1.0 / 31.6, 31.6);
-/// Speeds of a tool's rim [m/s]: above the first is worth a note (the highest class of EN 12413, for bonded wheels, is
-/// 125 m/s), above the second no grinding wheel has run (research with CBN wheels: 280 m/s).
+/// Speeds of a tool's rim [m/s]. The first is for a note (the highest class of EN 12413, for bonded wheels, is 125
+/// m/s); above the second no grinding wheel has run (research with CBN wheels: 280 m/s).
 const RIM_SPEED: (f64, f64) = (125.0, 280.0);
-/// Rim speed over feed below which a tool hardly grinds: Malkin and Guo (2008) give 60 and more for grinding.
+/// Ratio of rim speed to feed below which a tool hardly grinds: Malkin and Guo (2008) give 60 and more for grinding.
 const SPEED_RATIO: f64 = 60.0;
 /// Units of force by their size in newtons.
 const FORCES: [(f64, &str); 6] =
@@ -36,7 +36,7 @@ const SPEEDS: [(f64, &str); 4] =
 /// Units of feed by their size in mm/s.
 const FEEDS: [(f64, &str); 4] = [(60.0, "mm/min"), (0.1, "cm/s"), (0.06, "m/min"), (1e-3, "m/s")];
 
-/// Refuses readings in another unit or with another sign; returns what is odd about them.
+/// Refuses readings in another unit or with another sign; returns notes on oddities.
 pub(super) fn check(pass: &Pass, trial: &Trial, log: &Path) -> Result<Vec<String>, TrialError> {
     let place = || Place::file(log);
     check_feed(pass, &trial.scans.before.pixels, &place)?;
@@ -66,7 +66,7 @@ pub(super) fn check(pass: &Pass, trial: &Trial, log: &Path) -> Result<Vec<String
     Ok([jump, contact, speed, still, other].into_iter().flatten().collect())
 }
 
-/// Whether a ratio is between `1 / factor` and `factor`.
+/// True if a ratio is between `1 / factor` and `factor`.
 fn is_within(ratio: f64, factor: f64) -> bool {
     (1.0 / factor..=factor).contains(&ratio)
 }
@@ -83,14 +83,14 @@ fn guess((ratio, column, key): (f64, &str, &str), units: &[(f64, &str)]) -> Opti
     (!words.is_empty()).then(|| format!("is {}?", words.join(" or ")))
 }
 
-/// How a ratio is told: how many times larger or smaller.
+/// A ratio in words: a number of times larger or smaller.
 fn compared(ratio: f64) -> String {
     let shown = |times: f64| if times < 20.0 { format!("{times:.1}") } else { format!("{times:.0}") };
     if ratio < 1.0 { format!("{} times smaller", shown(1.0 / ratio)) } else { format!("{} times larger", shown(ratio)) }
 }
 
-/// The force while the tool presses [N]: the median of the rows above half of the greatest force; `None` where all is
-/// noise. Five rows of a hundred may be peaks.
+/// The force in contact [N]: the median of the rows above half of the greatest force; `None` if all is noise. Five rows
+/// of a hundred may be peaks.
 fn pressing(log: &Log) -> Option<f64> {
     let mut sizes: Vec<f64> = log.rows.iter().map(|row| row.force.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -125,7 +125,7 @@ fn check_force(pass: &Pass, place: &dyn Fn() -> Place) -> Result<(), TrialError>
         .bad(found, format!("newtons, positive while the tool presses, are expected: {}", guesses.join(" and "))))
 }
 
-/// A number with three digits that count.
+/// A number with three significant digits.
 fn shown(value: f64) -> String {
     let digits = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
@@ -167,7 +167,7 @@ fn check_spindle(pass: &Pass, place: &dyn Fn() -> Place) -> Result<(), TrialErro
     let logged = Motion::of(&pass.log).spindle_speed;
     let ratio = logged / pass.spindle_speed;
     let is_turning = logged != 0.0 && pass.spindle_speed > 0.0;
-    // Drives report either sense of rotation with either sign.
+    // Drives report both directions of rotation with either sign.
     if !is_turning || is_within(ratio.abs(), WRONG) {
         return Ok(());
     }
@@ -186,7 +186,7 @@ fn check_spindle(pass: &Pass, place: &dyn Fn() -> Place) -> Result<(), TrialErro
     ))
 }
 
-/// The speed of the tool's rim against what grinding and sanding tools do; a note where it is odd.
+/// The rim speed against that of grinding and sanding tools; returns a note if it is unusual.
 pub(super) fn check_rim(pass: &Pass, trial: &Trial) -> Result<Option<String>, TrialError> {
     let radius = trial.tool.shape.rim_radius();
     let rim = pass.spindle_speed * radius;

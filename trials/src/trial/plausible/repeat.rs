@@ -1,31 +1,32 @@
-//! The repeated scan must show the surface before the first pass: it may differ from the first scan by noise only.
+//! The repeated scan must show the surface before the first pass: it may differ from the first scan only by noise.
 
 use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces};
 use crate::measure::{Freedom, register};
 
-/// Share of the first pass's removal in a repeated scan from which it was made after the pass: midway between a scan made
-/// before it (0) and one made after it (1).
+/// Share of the first pass's removal in a repeated scan above which it was taken after the pass: midway between a scan
+/// before it (0) and one after it (1).
 const REMOVED: f64 = 0.5;
-/// Removal over the difference of the repeated scan where no tool came from which shares mean something: the noise that the
-/// two differences have in common then makes a share of 1 / (2 · 3²), about 0.06.
+/// Ratio of the removal to the difference of the repeated scan on the untouched surface, above which shares are
+/// meaningful: the noise common to the two differences then causes a share of 1 / (2 · 3²), about 0.06.
 const CLEAR: f64 = 3.0;
-/// Difference of the repeated scan over that of a scan after a pass, where no tool came, beyond which it shows another
-/// surface: noise on flanks and on plates differs by two to three, another surface by a hundred and more.
+/// Ratio of the difference of the repeated scan to that of a scan after a pass, on the untouched surface, above which
+/// it shows another surface: noise on flanks and on plates differs by two to three, another surface by a hundred and
+/// more.
 const OTHER: f64 = 10.0;
-/// Least such difference that counts [m].
+/// Minimum of that difference [m].
 const LEAST: f64 = 2e-6;
 
 /// Differences over pixels, after offset and tilt.
 struct Differences {
-    /// Of the repeated scan and the first one [m].
+    /// Repeated scan minus the first one [m].
     repeat: Vec<f64>,
-    /// Of the scan after the first pass and the first one [m].
+    /// Scan after the first pass minus the first one [m].
     pass: Vec<f64>,
 }
 
-/// Refuses repeated scans that show another surface than the first scan; notes noise that hides the removal.
+/// Refuses repeated scans that show another surface than the first scan; returns notes on noise that hides the removal.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
     let Some(after) = surfaces.after.first() else { return Ok(notes) };
@@ -80,7 +81,7 @@ impl Differences {
         Ok(())
     }
 
-    /// A note where the noise of a scan is as large as what the first pass removed.
+    /// A note if the noise of a scan is as large as the removal of the first pass.
     fn noise_note(&self, free: &[bool]) -> Option<String> {
         let noise = self.rms(&self.repeat, |_| true) / 2f64.sqrt();
         let removal = self.rms(&self.pass, |at| !free[at]);
@@ -95,7 +96,7 @@ impl Differences {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Mean size.
+    /// Mean magnitude.
     fn mean(&self, of: &[f64], takes: impl Fn(usize) -> bool) -> f64 {
         let (sum, count) = Self::sum(of, takes, f64::abs);
         sum / f64::max(count, 1.0)
