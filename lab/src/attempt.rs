@@ -212,8 +212,7 @@ fn lower(a: Fit, b: Fit) -> Fit {
     if b.chi2 < a.chi2 { b } else { a }
 }
 
-/// Returns the model with an effect at several sizes: all sizes of one parameter, then those of the next beside the
-/// usual value of the first.
+/// Returns the model with an effect at up to [`ATTEMPT_STARTS`] combinations of its parameters' starting sizes.
 fn sized(model: &CompiledModel, coordinates: &[Coordinate], effect: &str) -> Vec<CompiledModel> {
     let own = coordinates.iter().filter(|coordinate| coordinate.slot.owner == effect);
     let mut starts = vec![model.clone()];

@@ -139,7 +139,7 @@ pub struct DiagnosisSummary {
     pub unfitted: Vec<Unfitted>,
     /// Proposed next trial; absent where no rivals are left.
     pub next_trial: Option<NextTrial>,
-    /// The effect that is proposed for what no effect of the library describes; absent where there is none.
+    /// Effect proposed where no library effect describes the data; absent if there is none.
     pub proposal: Option<Proposal>,
     /// Detectable size of each effect.
     pub detectable: Vec<Detectable>,

@@ -181,7 +181,7 @@ impl Ledger {
 
     /// Stores an attempt: its effect, both models and its page, then its line.
     ///
-    /// - `file`: the effect file of a formula that was entered
+    /// - `texts`: texts of effect, models and page
     ///
     /// # Errors
     /// If a file cannot be written.
