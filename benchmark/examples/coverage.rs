@@ -1,6 +1,7 @@
-//! How often 95 % intervals of the base parameters hold the truth, and whether a calibrated model leaves white noise, on fresh
-//! virtual experiments with nothing hidden:
-//! `cargo run --release -p robofin-benchmark --example coverage -- COUNT [FIRST_SEED] [small|full] [clean|hard]`.
+//! Coverage of the 95 % intervals of the base parameters, and whiteness of the residuals of calibrated models, on fresh
+//! virtual experiments with nothing hidden.
+//!
+//! `cargo run --release -p robofin-benchmark --example coverage -- COUNT [FIRST_SEED] [small|full] [clean|hard]`
 
 use std::collections::BTreeMap;
 
@@ -10,15 +11,15 @@ use virtual_lab::{Choice, Experiment, Instrument, Made, Plan, Robot, Size};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Intervals of 95 % of a normal law.
+/// Half width of a 95 % interval of a normal law [standard deviations].
 const SIGMAS: f64 = 1.96;
 
-/// What is counted over all campaigns.
+/// Counts over all campaigns.
 #[derive(Default)]
 struct Counts {
-    /// Intervals that hold the truth, and all, by parameter.
+    /// Intervals that contain the true value, and all, by parameter.
     held: BTreeMap<String, (usize, usize)>,
-    /// Campaigns after whose calibration no test rejects, and all.
+    /// Campaigns in which no test rejects after calibration, and all.
     white: (usize, usize),
 }
 
@@ -80,7 +81,7 @@ fn one(made: &Made, plan: Plan, counts: &mut Counts) -> Result<()> {
     Ok(())
 }
 
-/// Whether an interval holds the truth, counted and in words.
+/// Checks and counts whether an interval contains the true value; returns a description.
 fn held(estimate: &Estimate, made: &Made, counts: &mut Counts) -> Option<String> {
     let (coordinate, slot) = (&estimate.coordinate, &estimate.coordinate.slot);
     let truth: f64 = made.answer.base.get(&slot.name())?.values.first()?.parse().ok()?;

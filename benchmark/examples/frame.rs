@@ -1,6 +1,7 @@
-//! How often logs are moved that are right, and how near those come that are wrong: virtual campaigns that each hide one effect
-//! of the library, with exact logs and with a frame and a clock that are off:
-//! `cargo run --release -p robofin-benchmark --example frame -- COUNT [FIRST_SEED] [clean|frame|clock|shop]`.
+//! Rate at which correct logs are moved, and remaining error of wrong ones, on virtual campaigns that each hide one
+//! effect of the library, with exact logs and with errors of frame and clock.
+//!
+//! `cargo run --release -p robofin-benchmark --example frame -- COUNT [FIRST_SEED] [clean|frame|clock|shop]`
 
 use effects::{Library, Model, Process};
 use lab::aligned;
@@ -8,7 +9,7 @@ use virtual_lab::{Choice, Experiment, FrontEnd, Hidden, Made, Plan, Size};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Effects that a frame or clock would mimic, and that are not hidden here.
+/// Effects that are equivalent to an error of frame or clock, and are not hidden here.
 const SAME: [&str; 4] = ["path-offset", "clock-offset", "scan-shift", "force-lag"];
 
 fn main() -> Result<()> {
@@ -23,7 +24,7 @@ fn main() -> Result<()> {
     let mut moved = 0;
     for seed in first..first + count {
         let plan = [Plan::Varied, Plan::Steps, Plan::Reversed, Plan::Paper][(seed % 4) as usize];
-        // Every third hides nothing.
+        // Every third campaign hides nothing.
         let hidden = (seed % 3 != 0).then(|| names[seed as usize % names.len()]);
         match made((seed, plan, front_end), hidden) {
             Ok(made) => moved += usize::from(one(&made, plan, hidden)?),

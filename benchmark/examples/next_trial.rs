@@ -1,8 +1,11 @@
-//! Number of trials until an effect is found: proposed trials against a fixed plan.
+//! Number of trials until an effect is found: proposed trials compared with a fixed plan.
 //!
-//! A virtual laboratory hides an effect and makes one trial of two equal passes. Then it makes one trial after the other: those
-//! that the diagnosis proposes, or the same one again and again. After each the table says what the diagnosis finds.
-//! `cargo run --release -p robofin-benchmark --example next_trial -- [FIRST_SEED] [SEEDS] [EFFECT:parameter=value] [full]`
+//! A virtual laboratory hides an effect and makes one trial of two equal passes. Then it adds one trial after the
+//! other: those that the diagnosis proposes, or repetitions of the first one. The table lists the result of the
+//! diagnosis after each trial.
+//!
+//! `cargo run --release -p robofin-benchmark --example next_trial -- [FIRST_SEED] [SEEDS] [EFFECT:parameter=value]
+//! [full]`
 
 use effects::{Library, Model, Process};
 use lab::{Diagnosis, Evidence, NextTrial, ScanEvidence, calibrate_scans, separating_trial};
@@ -13,9 +16,9 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// Default hidden effect: as in campaign open-b, whose bead is four times as long.
 const HIDDEN: &str = "grit-dulling:dulling_volume=350 mm^3";
-/// Trials that are added at most.
+/// Most trials that are added.
 const ADDED: usize = 3;
-/// Probability from which the question is settled, as a diagnosis has it.
+/// Probability from which the question is settled, as in a diagnosis.
 const SETTLED: f64 = lab::criteria::NAMED_PROBABILITY;
 
 /// Result of a diagnosis.
@@ -64,7 +67,7 @@ fn experiment((hidden, size): (&Hidden, Size), seed: u64) -> Result<Experiment> 
     Ok(Experiment { plan: Plan::Paper, trials: 1, size, choice, ..new })
 }
 
-/// Trials that must be added until the hidden effect is found; `None` where more than [`ADDED`] are.
+/// Number of trials that must be added until the hidden effect is found; `None` if it exceeds [`ADDED`].
 fn followed(mut experiment: Experiment, (hidden, begun): (&str, Found), proposed: bool) -> Result<Option<usize>> {
     let (seed, mut now, mut added) = (experiment.seed, begun, 0);
     loop {
@@ -78,7 +81,7 @@ fn followed(mut experiment: Experiment, (hidden, begun): (&str, Found), proposed
         }
         match choice.filter(|_| proposed) {
             Some(choice) => experiment.then.push(choice.plan.clone()),
-            // Where nothing is proposed, the fixed plan goes on.
+            // If nothing is proposed, the fixed plan continues.
             None => experiment.trials += 1,
         }
         added += 1;
@@ -86,7 +89,7 @@ fn followed(mut experiment: Experiment, (hidden, begun): (&str, Found), proposed
     }
 }
 
-/// Diagnoses trials, all of whose passes may be fitted.
+/// Diagnoses trials with all passes as calibration data.
 fn found(mut trials: Vec<Trial>, hidden: &str, seed: u64) -> Result<Found> {
     let passes = trials.iter_mut().flat_map(|trial| &mut trial.passes);
     passes.for_each(|pass| pass.role = Role::Calibration);

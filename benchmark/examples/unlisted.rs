@@ -1,7 +1,9 @@
-//! Proposals for unlisted effects on fresh virtual experiments: the effects outside the library, effects of the library that
-//! are left out of it, and campaigns with nothing hidden.
-//! `cargo run --release -p robofin-benchmark --example unlisted -- [FIRST_SEED] [small|full] [WORD ...]`; with words, only
-//! cases whose name holds one of them.
+//! Proposals for unlisted effects on fresh virtual experiments: the effects outside the library, effects of the library
+//! that are removed from it, and campaigns with nothing hidden.
+//!
+//! `cargo run --release -p robofin-benchmark --example unlisted -- [FIRST_SEED] [small|full] [WORD ...]`
+//!
+//! With words, only cases whose name contains one of them.
 
 use std::time::Instant;
 
@@ -11,7 +13,7 @@ use virtual_lab::{Choice, Experiment, Hidden, Made, Plan, Size};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Effects that are hidden, the process, and variables of which each would be right; none where nothing is hidden.
+/// Hidden effect, process, and variables that would be a right answer; no variables if nothing is hidden.
 const CASES: &[(&str, Process, &[&str])] = &[
     ("", Process::Grinding, &[]),
     ("", Process::Sanding, &[]),

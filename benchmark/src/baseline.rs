@@ -1,4 +1,4 @@
-//! Guesses that any study must beat.
+//! Baselines that any study must beat.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,12 @@ use lab::{Diagnosis, Evidence, Verdict};
 use super::cases::Case;
 use super::said::{Asked, Said};
 
-/// Error over the noise floor up to which a plain guess takes the model for complete.
+/// Ratio of the error to the noise floor up to which the baseline takes the model for complete.
 const NEAR_FLOOR: f64 = 1.1;
 
-/// Residual regression: the effect whose simulated change has the greatest correlation with what the base model leaves, in the
-/// data's own unit, neither whitened nor fitted together with the base parameters. Nothing where the base model is near the floor.
+/// Residual regression: names the effect whose simulated change has the greatest correlation with the base model's
+/// residual, in the data's own unit, neither whitened nor fitted together with the base parameters. It names none if
+/// the base model is near the floor.
 pub(super) fn regression(evidence: &dyn Evidence, diagnosis: &Diagnosis, [rms, floor]: [f64; 2]) -> Said {
     let round = &diagnosis.rounds[0];
     let left = &round.base.residuals;
@@ -27,14 +28,13 @@ pub(super) fn regression(evidence: &dyn Evidence, diagnosis: &Diagnosis, [rms, f
     }
 }
 
-/// Correlation of two changes in a space whose norm is all that is known (Jordan and von Neumann 1935).
+/// Correlation of two changes, computed from norms alone by the polarisation identity (Jordan and von Neumann 1935).
 fn correlation(norm: &dyn Fn(&[f64]) -> f64, a: &[f64], b: &[f64]) -> f64 {
     let of = |sign: f64| norm(&a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<_>>());
     (of(1.0).powi(2) - of(-1.0).powi(2)) / (4.0 * norm(a) * norm(b))
 }
 
-/// The effect that is hidden most often, the first by name of several, said of every case: no method, but what a method must
-/// beat.
+/// Names for every case the effect that is hidden most often; of equally frequent ones the first by name.
 pub(super) fn most_common(cases: &[&Case]) -> Said {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for case in cases.iter().filter(|case| case.asked() == Asked::Names) {
@@ -66,7 +66,7 @@ mod tests {
     fn the_most_common_effect_is_counted_over_cases_that_ask_for_names() {
         let all = cases(&[Family::W, Family::U], 12, 1, Library::builtin());
         let all: Vec<&Case> = all.iter().collect();
-        // Of twelve cases over five effects the first two come three times, and pad-loading is first by name.
+        // In twelve cases over five effects the first two occur three times, and pad-loading is first by name.
         assert_eq!(most_common(&all).named[0].name, "pad-loading");
         assert!(most_common(&[]).named.is_empty());
     }

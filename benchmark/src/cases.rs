@@ -1,4 +1,4 @@
-//! The cases: families, designs and what is hidden in each.
+//! The cases: families, designs and hidden effects.
 
 use effects::{Effect, Library, Process};
 use random::Stream;
@@ -7,26 +7,26 @@ use serde::{Deserialize, Serialize};
 use super::ladder::{POWER_RUNGS, RUNGS};
 use virtual_lab::{FrontEnd, Plan, outside};
 
-/// What a family of cases asks for.
+/// Family of cases, by the kind of the hidden effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Family {
     /// Nothing is hidden.
     N,
     /// One effect of the library.
     S,
-    /// One effect that was taken out of the library.
+    /// One effect that is removed from the library.
     L,
     /// An effect outside the library.
     U,
     /// Hard front ends, with and without an effect.
     H,
-    /// An effect that changes nothing but the base parameters.
+    /// An effect whose change the base parameters absorb.
     A,
     /// Two effects.
     D,
     /// The plan of two equal passes.
     P,
-    /// A few effects over and over, for their detectable size.
+    /// A few effects in many sizes, for their detectable size.
     W,
 }
 
@@ -35,16 +35,16 @@ impl Family {
     pub const ALL: [Self; 9] = [Self::N, Self::S, Self::L, Self::U, Self::H, Self::A, Self::D, Self::P, Self::W];
 }
 
-/// A campaign but for what is hidden in it.
+/// A campaign without its hidden effects.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Design {
     /// Grinding or sanding.
     pub process: Process,
-    /// Plan of the passes: what differs between them.
+    /// Plan of the passes: settings that differ between them.
     pub plan: Plan,
-    /// Front end: errors of scanner, robot and tool besides the hidden effects.
+    /// Front end: errors of scanner, robot and tool in addition to the hidden effects.
     pub front: FrontEnd,
-    /// Of workpieces, base law, noise and path.
+    /// Seed of workpieces, base law, noise and path.
     pub seed: u64,
 }
 
@@ -59,7 +59,7 @@ impl Design {
 /// One case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// What is asked.
+    /// Its family.
     pub family: Family,
     /// Number within the family.
     pub number: usize,
@@ -90,8 +90,8 @@ const PLANS: [(Process, Plan); 4] = [
     (Process::Grinding, Plan::Paper),
     (Process::Grinding, Plan::Steps),
 ];
-/// Effects that only change what every fit leaves free: the rate constant under one force, feed and speed, or the scans' poses
-/// and blur.
+/// Effects that the free parameters of every fit absorb: the rate constant at one force, feed and speed, or the scans'
+/// poses and blur.
 const ABSORBED: [(&str, Plan); 6] = [
     ("speed-exponent", Plan::Reversed),
     ("scan-tilt", Plan::Varied),
@@ -100,7 +100,7 @@ const ABSORBED: [(&str, Plan); 6] = [
     ("force-bias", Plan::Paper),
     ("scan-shift", Plan::Varied),
 ];
-/// Pairs of effects: apart, alike, and one against the other.
+/// Pairs of effects: distinct, similar, and opposed.
 const PAIRS: [(Process, [&str; 2]); 6] = [
     (Process::Grinding, ["tool-tilt", "grit-dulling"]),
     (Process::Sanding, ["pressure-exponent", "pad-loading"]),
@@ -123,7 +123,7 @@ const BEHIND: [(Process, Option<&str>); 6] = [
     (Process::Sanding, Some("pad-loading")),
     (Process::Grinding, Some("speed-exponent")),
 ];
-/// Process and hidden effect of the cases with a worn tool: effects of its history; `None` hides nothing.
+/// Process and hidden effect of the cases with a worn tool: effects of the tool's history; `None` hides nothing.
 const BEHIND_WORN: [(Process, Option<&str>); 6] = [
     (Process::Grinding, Some("grit-dulling")),
     (Process::Sanding, Some("pad-loading")),
@@ -140,11 +140,11 @@ pub const POWER: [(Process, &str); 5] = [
     (Process::Grinding, "pressure-exponent"),
     (Process::Grinding, "break-in"),
 ];
-/// An effect of the library that describes each pass for itself and explains none.
+/// An effect of the library that describes each pass separately and explains none.
 const NO_CAUSE: &str = "pass-gain";
-/// Effects that no single-effect case hides: those that every fit leaves free, and [`NO_CAUSE`].
+/// Effects that no single-effect case hides: those that every fit absorbs, and [`NO_CAUSE`].
 const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", NO_CAUSE];
-/// Way from one effect to the next in the list: a prime, so that a round meets all of them.
+/// Stride in the list from one effect to the next: a prime, so that a round reaches all of them.
 const STRIDE: usize = 7;
 
 /// The first `count` cases of each family.
@@ -163,7 +163,7 @@ struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    /// Visible effects in a clean laboratory.
+    /// Effects of visible size with the clean front end.
     fn new(hidden: impl IntoIterator<Item = &'a str>, process: Process, plan: Plan) -> Self {
         Self { hidden: hidden.into_iter().collect(), process, plan, front: FrontEnd::Clean, rung: 1.0 }
     }
@@ -198,7 +198,7 @@ fn case(family: Family, number: usize, seed: u64, library: &Library) -> Case {
             Draft { rung: cycle(&POWER_RUNGS, number / POWER.len()), ..Draft::new([effect], process, varied) }
         }
     };
-    // Each case has workpieces of its own.
+    // Each case has its own workpieces.
     let seed = Stream::of(seed, &format!("{family:?}{number}")).below(1 << 31) as u64;
     let hidden = hidden.into_iter().map(str::to_owned).collect();
     Case { family, number, design: Design { process, plan, front, seed }, hidden, rung }
@@ -219,7 +219,7 @@ fn acting(effect: &Effect) -> impl Iterator<Item = Process> {
     [Process::Grinding, Process::Sanding].into_iter().filter(|&process| effect.acts_in(process))
 }
 
-/// The single effect of a case, round after round through the library.
+/// The single effect of a case; successive cases go round the library.
 fn single(number: usize, library: &Library) -> Draft<'_> {
     let singles = singles(library);
     let (round, (effect, process)) = (number / singles.len(), singles[number * STRIDE % singles.len()]);
@@ -228,16 +228,16 @@ fn single(number: usize, library: &Library) -> Draft<'_> {
     Draft { rung: cycle(&RUNGS, round), ..Draft::new([effect], process, plan) }
 }
 
-/// A hard front end, and what is hidden behind it.
+/// A hard front end, and the effect hidden behind it.
 fn behind(number: usize) -> Draft<'static> {
     let front = cycle(&FRONTS, number);
     let list = if front == FrontEnd::Worn { &BEHIND_WORN } else { &BEHIND };
-    // The round is added, so that no front end meets the same hidden effects first.
+    // Adding the round prevents a front end from always meeting the same hidden effects first.
     let (process, hidden) = cycle(list, number / FRONTS.len() + number % FRONTS.len());
     Draft { front, ..Draft::new(hidden, process, Plan::Varied) }
 }
 
-/// Effects outside the library, each once, then those of them that act in both processes once more, then what is no cause.
+/// Effects outside the library, each once, then those of them that act in both processes once more, then [`NO_CAUSE`].
 fn outsiders() -> Vec<(String, Process)> {
     let all = outside::with_outside(Library::builtin()).expect("their names are free");
     let is_outside = |effect: &&Effect| outside::EFFECTS.iter().any(|(file, _)| *file == effect.file);

@@ -9,7 +9,7 @@ use virtual_lab::{Answer, Quantity};
 use super::rate::Rate;
 use lab::ParameterSummary;
 
-/// A parameter of a final model, beside its true value.
+/// A parameter of a final model with its true value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// `law.parameter` or `effect.parameter`.
@@ -20,12 +20,13 @@ pub struct Interval {
     pub truth: f64,
     /// Fitted value, in the parameter's unit.
     pub value: f64,
-    /// Ends of its 95 % interval; none where the data do not determine the parameter.
+    /// Ends of its 95 % interval; `None` if the data do not determine the parameter.
     pub ends: Option<[f64; 2]>,
 }
 
 impl Interval {
-    /// The parameters that the answer knows; those with one value per pass or scan are left out.
+    /// Intervals of all parameters whose true value is in the answer; those with one value per pass or scan are left
+    /// out.
     pub fn all(parameters: &[ParameterSummary], answer: &Answer) -> Vec<Self> {
         let of_effects = answer.effects.iter().flat_map(|effect| {
             effect.parameters.iter().map(|(name, quantity)| (format!("{}.{name}", effect.name), quantity))
@@ -45,7 +46,7 @@ impl Interval {
         parameters.iter().filter_map(interval).collect()
     }
 
-    /// True if the interval contains the true value; none without an interval.
+    /// True if the interval contains the true value; `None` without an interval.
     pub fn holds(&self) -> Option<bool> {
         self.ends.map(|[low, high]| (low..=high).contains(&self.truth))
     }
@@ -54,13 +55,13 @@ impl Interval {
 /// Intervals of one parameter, or of all parameters of effects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coverage {
-    /// The parameter; `effects` for those of the effects that were named and are there.
+    /// The parameter; `effects` for those of correctly named effects.
     pub name: String,
     /// Share of the intervals that contain the true value.
     pub held: Rate,
-    /// Number of fitted values without an interval: the data do not determine them.
+    /// Number of fitted values without an interval, because the data do not determine them.
     pub without: usize,
-    /// Median of the value over the truth; of parameters of the base law alone.
+    /// Median ratio of the fitted to the true value; for parameters of the base law only.
     pub ratio: Option<f64>,
 }
 

@@ -1,18 +1,18 @@
-//! The reliability diagram as a picture.
+//! Reliability diagram as an SVG picture.
 
 use super::forecast::{Bin, Reliability};
 
-/// Side of the square from 0 to 1, and margins left, right, above and below it [px].
+/// Side of the unit square, and margins left, right, above and below it [px].
 const SIDE: f64 = 320.0;
 const MARGINS: [f64; 4] = [52.0, 14.0, 14.0, 44.0];
 
-/// Place of a stated probability and a share in the picture [px].
+/// Position of a stated probability and a share in the picture [px].
 fn place([stated, share]: [f64; 2]) -> [f64; 2] {
     [MARGINS[0] + SIDE * stated, MARGINS[2] + SIDE * (1.0 - share)]
 }
 
-/// Share of true statements over stated probability with intervals of 95 %, the counts beside the points; on the diagonal where
-/// probabilities can be relied on.
+/// Draws the share of true statements over the stated probability with 95 % intervals and counts; the points lie on the
+/// diagonal if the probabilities are reliable.
 pub fn reliability_svg(reliability: &Reliability) -> String {
     let (width, height) = (MARGINS[0] + SIDE + MARGINS[1], MARGINS[2] + SIDE + MARGINS[3]);
     let [left, top] = place([0.0, 1.0]);
@@ -40,7 +40,7 @@ pub fn reliability_svg(reliability: &Reliability) -> String {
     text + "</svg>\n"
 }
 
-/// A bin: its interval, its point and its count.
+/// Draws a bin: its interval, its point and its count.
 fn point(bin: &Bin) -> String {
     let [x, y] = place([bin.stated, bin.is_true.share()]);
     let [low, high] = bin.is_true.interval.map(|share| place([bin.stated, share])[1]);

@@ -1,43 +1,43 @@
-//! Share of the explainable error of held-out passes that a study explains.
+//! Share of the explainable held-out error that a study explains.
 
 use serde::{Deserialize, Serialize};
 use trials::measure::median;
 
-/// Held-out error of the base model over the floor from which there is something to explain: below, noise decides.
+/// Least ratio of the base model's held-out error to the floor at which a gap is reported: below, noise dominates.
 const LEAST_GAP: f64 = 1.25;
 
 /// Errors of the held-out passes [µm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Of the base law, fitted.
+    /// Error of the fitted base law.
     pub base: Option<f64>,
-    /// Of the final model.
+    /// Error of the final model.
     pub found: Option<f64>,
     /// Noise floor: the error that a perfect model would leave.
     pub floor: Option<f64>,
 }
 
 impl Errors {
-    /// Share of the gap between base model and noise floor that the final model closes; none where the gap is too small.
+    /// Share of the gap between base model and noise floor that the final model closes; `None` if the gap is too small.
     pub fn closed(&self) -> Option<f64> {
         let (base, found, floor) = (self.base?, self.found?, self.floor?);
         (base >= LEAST_GAP * floor).then(|| (base - found) / (base - floor))
     }
 }
 
-/// The gaps of several cases.
+/// Closed gaps of several cases.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GapClosed {
-    /// Cases with a gap.
+    /// Number of cases with a gap.
     pub cases: usize,
-    /// Median share that was closed.
+    /// Median closed share.
     pub median: Option<f64>,
-    /// Mean share; a model that is worse than the base law counts below zero.
+    /// Mean closed share; a model that is worse than the base law counts as negative.
     pub mean: Option<f64>,
 }
 
 impl GapClosed {
-    /// From the errors of each case.
+    /// Computes the gaps from the errors of each case.
     pub fn new<'a>(errors: impl Iterator<Item = &'a Errors>) -> Self {
         let shares: Vec<f64> = errors.filter_map(Errors::closed).collect();
         let mean = (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64);

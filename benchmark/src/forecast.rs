@@ -1,4 +1,4 @@
-//! Stated probabilities, and how far they can be relied on.
+//! Stated probabilities, and their reliability.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -9,10 +9,10 @@ use super::said::{Asked, Said};
 
 /// Bins of the reliability diagram.
 const BINS: usize = 10;
-/// Least probability that counts as a statement [1]: dozens of effects have next to none, and saying so is no achievement.
+/// Least probability that counts as a statement [1]: dozens of effects have almost none, and a correct zero is trivial.
 const LEAST_STATED: f64 = 0.01;
 
-/// Probabilities that a first search states.
+/// Probabilities stated by a first search.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
     /// Name and probability of each effect that was weighed.
@@ -22,7 +22,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Reads the answer of `diagnose --json`. Where it states no probability of none, that is 1 minus the sum over the
+    /// Reads the answer of `diagnose --json`. If it states no probability of "none", that is 1 minus the sum over the
     /// effects.
     pub fn of(diagnosis: &Value) -> Self {
         let suspects = diagnosis["suspects"].as_array().map_or(&[][..], Vec::as_slice);
@@ -35,7 +35,7 @@ impl Forecast {
         Self { effects, none: diagnosis["none_probability"].as_f64().unwrap_or(left) }
     }
 
-    /// All on what was said.
+    /// Puts all probability on an answer.
     pub fn sure(said: &Said) -> Self {
         match said.named.first() {
             Some(named) => Self { effects: vec![(named.name.clone(), 1.0)], none: 0.0 },
@@ -43,8 +43,8 @@ impl Forecast {
         }
     }
 
-    /// Each probability with whether it is of something true. None is true where no effect of the library that could show is
-    /// hidden.
+    /// Each probability, with true if its statement is true. "None" is true if no effect of the library that could show
+    /// is hidden.
     pub fn statements(&self, case: &Case) -> Vec<(f64, bool)> {
         let is_none = match case.asked() {
             Asked::Names => false,
@@ -54,8 +54,8 @@ impl Forecast {
         effects.chain([(self.none, is_none)]).collect()
     }
 
-    /// Brier's (1950) score: from 0, all on the truth, to 2, all on something else. Where several things are true, the
-    /// probabilities of all count as that of the truth.
+    /// Brier score (1950): from 0, all probability on the true statement, to 2, all on a false one. If several
+    /// statements are true, their probabilities are summed.
     pub fn brier(&self, case: &Case) -> f64 {
         let statements = self.statements(case);
         let truth: f64 = statements.iter().filter(|(_, is_true)| *is_true).map(|(p, _)| p).sum();
@@ -64,12 +64,12 @@ impl Forecast {
     }
 }
 
-/// Statements of like probability.
+/// Statements of similar probability.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
     /// Least and greatest probability.
     pub range: [f64; 2],
-    /// Mean of the stated ones.
+    /// Mean stated probability.
     pub stated: f64,
     /// Share of these statements that are true.
     pub is_true: Rate,
@@ -78,14 +78,14 @@ pub struct Bin {
 /// Agreement of stated probabilities with the share of statements that are true.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reliability {
-    /// Ten bins of equal width; those without a statement are left out.
+    /// Ten bins of equal width; empty ones are left out.
     pub bins: Vec<Bin>,
-    /// Mean distance of stated probability and share that is true, weighed by statements.
+    /// Mean difference between stated probability and share of true statements, weighted by the number of statements.
     pub calibration_error: f64,
 }
 
 impl Reliability {
-    /// From probabilities and whether they are of something true.
+    /// Computes the bins from probabilities, each with true if its statement is true.
     pub fn new(statements: &[(f64, bool)]) -> Self {
         let stated: Vec<(f64, bool)> = statements.iter().filter(|(p, _)| *p >= LEAST_STATED).copied().collect();
         let place = |p: f64| ((p * BINS as f64) as usize).min(BINS - 1);
@@ -102,7 +102,7 @@ impl Reliability {
     }
 }
 
-/// The most probable of what was stated.
+/// The most probable statement.
 pub fn most_probable(statements: &[(f64, bool)]) -> Option<(f64, bool)> {
     statements.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0))
 }

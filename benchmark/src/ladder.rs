@@ -1,16 +1,17 @@
-//! Sizes of hidden effects: a fixed ladder of physical sizes, whatever a diagnosis would call detectable.
+//! Sizes of hidden effects: a fixed ladder of physical sizes, independent of the detectable size.
 
 use effects::{Effect, Library, Parameter, Process, Rows};
 use serde::{Deserialize, Serialize};
 
 use virtual_lab::{Hidden, Size, visible_value};
 
-/// Rungs of single effects over the visible size, in the order in which rounds through the library take them.
+/// Rungs of single effects relative to the visible size, in the order in which successive rounds through the library
+/// use them.
 pub const RUNGS: [f64; 4] = [1.0, 0.5, 2.0, 0.25];
 /// Rungs of the effects whose detectable size is measured.
 pub const POWER_RUNGS: [f64; 6] = [1.0, 0.5, 0.25, 2.0, 0.125, 0.75];
 
-/// A parameter at a rung.
+/// A parameter's value at a rung.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rung {
     /// The parameter.
@@ -21,8 +22,8 @@ pub struct Rung {
     pub unit: String,
 }
 
-/// So many times the visible size of an effect: each parameter with a null departs from it so many times as far, or is so many
-/// times smaller where the null is infinite, kept within its range.
+/// Values at a multiple of the visible size of an effect: for each parameter with a null, the distance from the null is
+/// multiplied by the factor, or the value is divided by it if the null is infinite, and clamped to the range.
 pub fn rung(effect: &Effect, (process, size): (Process, Size), factor: f64) -> Vec<Rung> {
     let own = effect.parameters.iter().filter(|parameter| parameter.per == Rows::Model);
     let value = |parameter: &Parameter| {
@@ -39,7 +40,7 @@ pub fn rung(effect: &Effect, (process, size): (Process, Size), factor: f64) -> V
     own.filter_map(rung).collect()
 }
 
-/// An effect to hide at a rung; as the laboratory hides it at the first one.
+/// An effect to hide at a rung; at the first rung it has the laboratory's default size.
 pub(super) fn hidden(name: &str, at: (Process, Size), factor: f64, library: &Library) -> Hidden {
     let Some(effect) = library.find(name).filter(|_| factor != 1.0) else { return Hidden::effect(name) };
     let with = |hidden: Hidden, rung: &Rung| {

@@ -1,15 +1,15 @@
 //! Benchmark of the study: campaigns of the virtual laboratory with known answers are studied with default settings,
-//! and the answers are judged.
+//! and the results are judged.
 //!
-//! 1. [`cases`] lists what is hidden, family by family; [`rung`] gives its size, a share of the visible one, whatever the
-//!    study calls detectable; [`sample`] takes a part of the list.
+//! 1. [`cases`] lists the hidden effects, family by family; [`rung`] gives their size relative to the visible one,
+//!    independent of the detectable size; [`sample`] takes a part of the list.
 //! 2. [`run`] makes a case, writes its trials to a folder and lets a study read them from there: the [`Outcome`].
-//! 3. [`Said`] is what an answer says, [`Judgement`] what that is worth; [`Forecast`] holds its probabilities, [`Interval`] its
-//!    intervals, [`Errors`] the held-out errors.
-//! 4. [`Summary`] counts them, with intervals, beside guesses that a study must beat.
+//! 3. [`Said`] is the content of an answer, [`Judgement`] its score; [`Forecast`] holds its probabilities, [`Interval`]
+//!    its intervals, [`Errors`] the held-out errors.
+//! 4. [`Summary`] counts them, with intervals, beside baselines that a study must beat.
 //!
-//! The generator has a finer lattice, shorter steps, another path and an instrument's errors; the study sees what a reader of
-//! trial folders sees.
+//! The generator has a finer lattice, shorter steps, another path and an instrument's errors; the study reads only the
+//! trial folders.
 
 mod baseline;
 mod cases;

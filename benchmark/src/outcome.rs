@@ -1,4 +1,4 @@
-//! One case: made, written, read again, studied, and what came out.
+//! Run of one case: made, written, read again, studied and judged.
 
 use std::path::Path;
 use std::time::Instant;
@@ -20,10 +20,10 @@ use study::{Measurements, StudyRecord, StudyState, inputs_sha256};
 use virtual_lab::write::{WriteError, write};
 use virtual_lab::{Choice, Experiment, HiddenEffect, Made, MakeError, Size};
 
-/// The reason why a case could not be put to a study.
+/// Reason for which a case could not be studied.
 #[derive(Debug, Error)]
 pub enum BenchError {
-    /// Its experiment is none.
+    /// Its experiment is not valid.
     #[error(transparent)]
     Experiment(#[from] EffectError),
     /// It could not be made.
@@ -34,42 +34,42 @@ pub enum BenchError {
     Written(#[from] WriteError),
 }
 
-/// What came out of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// The case.
     pub case: Case,
-    /// What was hidden, with its values.
+    /// The hidden effects, with their values.
     pub truth: Vec<HiddenEffect>,
     /// Error with which the study refused the measurements or failed; absent if it ran to its end.
     pub refused: Option<String>,
     /// Verdict, named effects and hint of the study.
     pub said: Said,
-    /// Judgement of this answer, by what is hidden.
+    /// Judgement of this answer, given the hidden effects.
     pub judgement: Judgement,
     /// Probabilities of its first search.
     pub forecast: Forecast,
-    /// Answer of residual regression, a baseline, from the same measurements.
+    /// Answer of residual regression, a baseline, on the same measurements.
     pub regression: Said,
-    /// Parameters of the final model beside the truth.
+    /// Parameters of the final model with their true values.
     pub intervals: Vec<Interval>,
     /// Errors of the held-out passes [µm].
     pub errors: Errors,
-    /// Whether a next trial was proposed.
+    /// True if a next trial was proposed.
     pub next_trial: bool,
-    /// The most probable effects of the first search, for people.
+    /// The most probable effects of the first search, for display.
     pub suspects: Vec<String>,
-    /// Time that the study took [s].
+    /// Duration of the study [s].
     pub seconds: f64,
 }
 
-/// Makes a case, lets a study with default settings go to its end, and notes what came out. What the study refuses is an
+/// Makes a case, runs a study with default settings to its end, and records the outcome. A refusal by the study is an
 /// outcome too.
 ///
-/// - `scratch`: place of a folder for the trials, which the study reads from there as any others; the caller removes it
+/// - `scratch`: path of a folder for the trials, which the study reads like any others; the caller removes it
 ///
 /// # Errors
-/// When the case cannot be made.
+/// If the case cannot be made.
 pub fn run(case: &Case, size: Size, library: &Library, scratch: &Path) -> Result<Outcome, BenchError> {
     let Design { process, plan, front, seed } = case.design;
     let new = Experiment::new(process, library, seed)?;
@@ -92,7 +92,7 @@ pub fn run(case: &Case, size: Size, library: &Library, scratch: &Path) -> Result
     Ok(studied.outcome((case, &made), refused, seconds))
 }
 
-/// An error with its causes.
+/// Formats an error with its causes.
 fn in_full(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(error.source(), |cause| cause.source()).map(|cause| format!(": {cause}"));
     causes.fold(error.to_string(), |text, cause| if text.contains(&cause[2..]) { text } else { text + &cause })
@@ -110,7 +110,7 @@ struct Studied {
 }
 
 impl Studied {
-    /// A study of a folder of trials to its end.
+    /// Studies a folder of trials to the end.
     fn new(folder: &Path, library: Library, seed: u64) -> Result<Self, LabError> {
         let measurements = Measurements::read(folder)?;
         let data = measurements.data()?;
@@ -128,7 +128,7 @@ impl Studied {
             }
         }
         studied.said.verdict = state.record.verdict;
-        // A frame or clock that is off is no effect of a search.
+        // A wrong frame or clock is not an effect of a search.
         let is_named = |name: &&String| studied.said.named.iter().any(|named| named.name == **name);
         let beside: Vec<String> = state.record.added.iter().filter(|name| !is_named(name)).cloned().collect();
         studied.said.named.extend(beside.into_iter().map(|name| Named { name, alike: Vec::new() }));
@@ -142,7 +142,7 @@ impl Studied {
         Ok(studied)
     }
 
-    /// Notes what a search says.
+    /// Records the result of a search.
     fn note_search(&mut self, state: &StudyState) {
         let Some(summary) = &state.record.diagnosis else { return };
         let named = |effect: &Value| {
@@ -151,7 +151,7 @@ impl Studied {
             Some(Named { name: effect["name"].as_str()?.to_owned(), alike })
         };
         let effects = summary["effects"].as_array().map_or(&[][..], Vec::as_slice);
-        // A study adds the first effect of each search; one in doubt is named and not added.
+        // A study adds the first effect of each search; an uncertain one is named and not added.
         let is_added = state.record.to_add.is_some();
         if is_added || state.record.verdict == Some(Verdict::Ambiguous) {
             self.said.named.extend(effects.iter().take(1).filter_map(named));
@@ -187,7 +187,7 @@ impl Studied {
     }
 }
 
-/// A suspect in a line.
+/// Formats a suspect in one line.
 fn shown(suspect: &Value) -> String {
     let number = |key: &str, digits: usize| suspect[key].as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     let held_out = ["evaluation_rms_um_before", "evaluation_rms_um_after"].map(|key| number(key, 2));

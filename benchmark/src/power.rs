@@ -1,29 +1,30 @@
-//! From which size on an effect is named: the real rule, simulated.
+//! Size from which an effect is named, estimated by simulation of the actual rule.
 
 use serde::Serialize;
 
-/// Shares of the cases that are asked for.
+/// Shares of the cases at which the size is reported.
 const POWERS: [f64; 2] = [0.5, 0.9];
 /// Least number of cases for which a size is reported.
 const LEAST_CASES: usize = 4;
 
-/// From which size on an effect is named.
+/// Size from which an effect is named.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Power {
     /// The effect and the process.
     pub effect: String,
-    /// Cases.
+    /// Number of cases.
     pub cases: usize,
-    /// Least and greatest rung that was tried, over the visible size.
+    /// Least and greatest rung that was tried, relative to the visible size.
     pub tried: [f64; 2],
-    /// Rung from which half of the cases are named; none where no rung is large enough.
+    /// Rung from which half of the cases are named; `None` if no rung is large enough.
     pub half: Option<f64>,
     /// The same for nine of ten.
     pub nine_of_ten: Option<f64>,
 }
 
 impl Power {
-    /// From rungs and whether the effect was named there. None of too few cases or rungs.
+    /// Computes the sizes from rungs, each with true if the effect was named. `None` if there are too few cases or
+    /// rungs.
     pub fn new(effect: String, tried: &[(f64, bool)]) -> Option<Self> {
         let curve = isotonic(tried);
         let (first, last) = (curve.first()?.0, curve.last()?.0);
@@ -33,7 +34,7 @@ impl Power {
     }
 }
 
-/// Share of successes at each size, the least squares among all that do not fall (Ayer et al. 1955).
+/// Isotonic regression: share of successes at each size, the non-decreasing least-squares fit (Ayer et al. 1955).
 fn isotonic(tried: &[(f64, bool)]) -> Vec<(f64, f64)> {
     let mut sorted = tried.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -62,7 +63,8 @@ fn isotonic(tried: &[(f64, bool)]) -> Vec<(f64, f64)> {
     rising.iter().flat_map(|(sizes, cases, hits)| sizes.iter().map(move |size| (*size, hits / cases))).collect()
 }
 
-/// Size at which a rising curve reaches a share, even in the logarithm between two sizes; the least size where it begins above.
+/// Size at which a rising curve reaches a share, interpolated in the logarithm of the size; the least size if the curve
+/// starts above.
 fn reaching(curve: &[(f64, f64)], share: f64) -> Option<f64> {
     let at = curve.iter().position(|(_, reached)| *reached >= share)?;
     let (size, reached) = curve[at];
@@ -77,7 +79,7 @@ mod tests {
     #[test]
     fn shares_that_fall_are_pooled() {
         let tried = [(0.25, false), (0.25, true), (0.5, false), (0.5, false), (1.0, true), (2.0, true)];
-        // A half and then nothing: a quarter of four.
+        // A half and then none: a quarter of four.
         assert_eq!(isotonic(&tried), [(0.25, 0.25), (0.5, 0.25), (1.0, 1.0), (2.0, 1.0)]);
     }
 
@@ -86,7 +88,7 @@ mod tests {
         let tried = [(0.25, false), (0.25, false), (1.0, false), (1.0, true), (4.0, true), (4.0, true)];
         let power = Power::new("tilt".to_owned(), &tried).expect("enough cases");
         assert_eq!((power.cases, power.tried, power.half), (6, [0.25, 4.0], Some(1.0)));
-        // From 0.5 at 1 to 1 at 4: 0.9 after four fifths of the way.
+        // From 0.5 at 1 to 1 at 4: 0.9 is reached at four fifths of the distance.
         assert!((power.nine_of_ten.expect("reached") - 4f64.powf(0.8)).abs() < 1e-12);
         let never = [(0.25, false), (1.0, false), (2.0, false), (4.0, true), (4.0, false)];
         let power = Power::new("tilt".to_owned(), &never).expect("enough cases");

@@ -1,4 +1,4 @@
-//! A share of cases with its interval.
+//! Share of cases with its interval.
 
 use serde::Serialize;
 
@@ -8,16 +8,16 @@ const QUANTILE: f64 = 1.959_964;
 /// A share with its interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rate {
-    /// Cases for which it holds.
+    /// Number of cases that satisfy the condition.
     pub hits: usize,
-    /// All cases.
+    /// Number of all cases.
     pub of: usize,
-    /// Interval of 95 % (Wilson 1927).
+    /// 95 % interval (Wilson 1927).
     pub interval: [f64; 2],
 }
 
 impl Rate {
-    /// Counts what holds.
+    /// Counts the true values.
     pub fn new(holds: impl Iterator<Item = bool>) -> Self {
         let (mut hits, mut of) = (0, 0);
         for holds in holds {
@@ -32,7 +32,7 @@ impl Rate {
         Self { hits, of, interval }
     }
 
-    /// Share for which it holds; zero of no case.
+    /// Share of cases that satisfy the condition; zero without a case.
     pub fn share(&self) -> f64 {
         self.hits as f64 / self.of.max(1) as f64
     }

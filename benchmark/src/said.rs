@@ -6,30 +6,30 @@ use virtual_lab::FrontEnd;
 
 use super::cases::{Case, Family};
 
-/// An effect that was named.
+/// A named effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Named {
-    /// The effect.
+    /// Its name.
     pub name: String,
     /// Effects from which the data cannot distinguish it.
     pub alike: Vec<String>,
 }
 
-/// Answer to a case, from a study or a guess.
+/// Answer to a case, from a study or a baseline.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Said {
-    /// The verdict; none where the measurements were refused.
+    /// The verdict; `None` if the measurements were refused.
     pub verdict: Option<Verdict>,
-    /// Effects that were named.
+    /// Named effects.
     pub named: Vec<Named>,
-    /// The effect of a hint.
+    /// Effect of a hint.
     pub hint: Option<String>,
 }
 
 /// Kind of the right answer to a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// Nothing is missing: nothing is hidden, or only what base parameters and poses absorb.
+    /// Nothing is missing: nothing is hidden, or only an effect that base parameters and poses absorb.
     Nothing,
     /// The hidden effects.
     Names,
@@ -41,20 +41,21 @@ pub enum Asked {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judgement {
-    /// As asked: just the hidden effects named without doubt, nothing said to be missing, or unknown.
+    /// Right: exactly the hidden effects are named with certainty, or nothing is reported missing, or the verdict is
+    /// unknown, as the case requires.
     Right,
     /// Right but not certain: the hidden effect among indistinguishable ones, some of several with `partly`, or a hint.
     Class,
-    /// Nothing false, but not what is hidden.
+    /// No false statement, but not the hidden effect.
     Shy,
-    /// Something said to be missing where nothing is, without a name.
+    /// Something is reported missing where nothing is, without a name.
     Alarm,
-    /// An effect named that is not there.
+    /// An effect is named that does not act.
     Wrong,
 }
 
 impl Judgement {
-    /// In tables.
+    /// Word in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",
@@ -66,7 +67,7 @@ impl Judgement {
     }
 }
 
-/// Effects that describe what a front end does to the measurements: naming one is no error.
+/// Effects that describe a front end's errors in the measurements: to name one is no error.
 pub fn describing(front: FrontEnd) -> &'static [&'static str] {
     match front {
         FrontEnd::Frame => &["clock-offset", "path-offset", "scan-shift"],
@@ -88,7 +89,7 @@ impl Case {
         }
     }
 
-    /// True if naming the effect is right: it is hidden, or describes what the front end does to the measurements.
+    /// True if it is right to name the effect: it is hidden, or describes the front end's errors.
     pub fn is_there(&self, name: &str) -> bool {
         let hidden = self.asked() == Asked::Names && self.hidden.iter().any(|hidden| hidden == name);
         hidden || describing(self.design.front).contains(&name)
@@ -96,13 +97,13 @@ impl Case {
 }
 
 impl Said {
-    /// A guess without doubt.
+    /// A guess without uncertainty.
     pub fn sure(verdict: Verdict, name: Option<&str>) -> Self {
         let named = name.map(|name| Named { name: name.to_owned(), alike: Vec::new() });
         Self { verdict: Some(verdict), named: named.into_iter().collect(), hint: None }
     }
 
-    /// The effects that it stands by: none where it says that none of the library describes what is missing.
+    /// Effects that the answer claims: none if it says that no effect of the library describes the data.
     fn claimed(&self) -> &[Named] {
         if self.verdict == Some(Verdict::Unknown) { &[] } else { &self.named }
     }
@@ -129,7 +130,8 @@ impl Said {
     }
 
     fn judged_nothing(&self, case: &Case) -> Judgement {
-        // The library's effects do not describe these front ends in full: that something is missing is then true.
+        // The library's effects do not describe these front ends completely, so that the verdict "something is missing"
+        // is right.
         let is_missing = !describing(case.design.front).is_empty();
         match self.verdict {
             Some(Verdict::Identified | Verdict::Hint | Verdict::NothingMissing | Verdict::NotTestable) => {

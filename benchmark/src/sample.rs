@@ -1,4 +1,4 @@
-//! A part of the list of cases that stands for the whole.
+//! Representative part of the list of cases.
 
 use std::collections::BTreeMap;
 
@@ -6,8 +6,8 @@ use random::Stream;
 
 use super::cases::{Case, Family};
 
-/// So many of the cases: each family keeps its share, and of each stretch of a family one case is drawn, so that effects and
-/// rungs are met evenly. All where there are no more.
+/// Stratified sample of at most `most` cases: each family keeps its share, and one case is drawn from each stretch of a
+/// family, so that effects and rungs are sampled evenly. Returns all cases if there are no more.
 pub fn sample(cases: Vec<Case>, most: usize, seed: u64) -> Vec<Case> {
     let all = cases.len();
     if all <= most {
@@ -15,7 +15,7 @@ pub fn sample(cases: Vec<Case>, most: usize, seed: u64) -> Vec<Case> {
     }
     let mut families: BTreeMap<Family, Vec<Case>> = BTreeMap::new();
     cases.into_iter().for_each(|case| families.entry(case.family).or_default().push(case));
-    // Ends of the shares of one family after the other, rounded: their sum is `most`.
+    // Rounded cumulative shares of the families, so that the sum is `most`.
     let mut before = 0;
     let mut kept = Vec::new();
     for (family, cases) in families {

@@ -1,4 +1,4 @@
-//! All cases in numbers.
+//! Statistics over all cases.
 
 use std::collections::BTreeMap;
 
@@ -19,19 +19,19 @@ use lab::Verdict;
 /// Shares of the answers by judgement. Every case counts in exactly one of the first five.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Scores {
-    /// As asked.
+    /// Right answers.
     pub right: Rate,
-    /// With doubt, but with what is hidden in it.
+    /// Uncertain answers that contain the hidden effect.
     pub class: Rate,
-    /// Nothing false, but not what is hidden.
+    /// Answers without a false statement that miss the hidden effect.
     pub too_shy: Rate,
-    /// Something said to be missing where nothing is.
+    /// Answers that report something missing where nothing is.
     pub false_alarm: Rate,
-    /// An effect named that is not there.
+    /// Answers that name an effect that does not act.
     pub wrong_name: Rate,
-    /// Of the cases whose effect the library lacks, those in which that was said.
+    /// Share of the cases with an effect outside the library in which the verdict is unknown.
     pub unknown_said: Rate,
-    /// Mean of Brier's score; a guess without probabilities puts all on what it says.
+    /// Mean Brier score; a guess without probabilities puts all probability on its answer.
     pub brier: f64,
 }
 
@@ -52,29 +52,29 @@ impl Scores {
         }
     }
 
-    /// Of studies.
+    /// Scores of studies.
     fn of(outcomes: &[&Outcome]) -> Self {
         Self::new(outcomes.iter().map(|o| (&o.case, &o.said, o.forecast.brier(&o.case))))
     }
 
-    /// Of a guess for each of the cases.
+    /// Scores of a baseline's guess for each of the cases.
     fn of_guess<'a>(outcomes: &[&'a Outcome], guess: impl Fn(&'a Outcome) -> &'a Said) -> Self {
         Self::new(outcomes.iter().map(|o| (&o.case, guess(o), Forecast::sure(guess(o)).brier(&o.case))))
     }
 }
 
-/// Studies and guesses, by the same rules.
+/// Study and baselines, scored by the same rules.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
     /// `robofin study`.
     pub study: Scores,
     /// Residual regression.
     pub residual_regression: Scores,
-    /// Always the effect that is hidden most often.
+    /// Baseline that always names the effect that is hidden most often.
     pub most_common_effect: Scores,
 }
 
-/// Coverage of 95 % intervals in some of the cases.
+/// Coverage of 95 % intervals in a group of cases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoverageOf {
     /// Name of the group of cases, such as `right answers`.
@@ -83,34 +83,34 @@ pub struct CoverageOf {
     pub parameters: Vec<Coverage>,
 }
 
-/// All cases in numbers.
+/// Statistics over all cases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Cases that were made.
+    /// Number of cases that were made.
     pub cases: usize,
-    /// Of these, whose measurements the study refused, or in which it failed.
+    /// Cases whose measurements the study refused, or in which it failed.
     pub refused: Rate,
-    /// All cases, by the study and by guesses.
+    /// Scores of all cases, for the study and the baselines.
     pub all: Compared,
-    /// By family.
+    /// Scores by family.
     pub families: BTreeMap<Family, Scores>,
-    /// By front end, in family H.
+    /// Scores by front end, in family H.
     pub front_ends: BTreeMap<&'static str, Scores>,
-    /// By process.
+    /// Scores by process.
     pub processes: BTreeMap<&'static str, Scores>,
-    /// Single effects by rung over the visible size.
+    /// Scores of single effects by rung relative to the visible size.
     pub rungs: Vec<(f64, Scores)>,
-    /// Answers other than that nothing is missing, where nothing is hidden behind clean instruments.
+    /// Answers other than "nothing is missing" where nothing is hidden behind clean instruments.
     pub false_alarms: Rate,
     /// Wrong names among all answers that name an effect or hint at one.
     pub wrong_of_named: Rate,
-    /// All probabilities of effects, and of none, from 1 % on.
+    /// Reliability of all stated probabilities of effects, and of none of them, from 1 % on.
     pub reliability: Reliability,
-    /// The same of the most probable statement of each case.
+    /// Reliability of the most probable statement of each case.
     pub reliability_of_first: Reliability,
     /// Coverage of the parameters' intervals.
     pub coverage: Vec<CoverageOf>,
-    /// Held-out error explained, where an effect is hidden.
+    /// Closed share of the held-out error gap, where an effect is hidden.
     pub error_gap: GapClosed,
     /// The same where the answer is right.
     pub error_gap_of_right: GapClosed,
@@ -122,20 +122,20 @@ pub struct Summary {
     pub seconds: f64,
 }
 
-/// Outcomes by a key.
+/// Groups outcomes by a key.
 fn grouped<'a, K: Ord>(outcomes: &[&'a Outcome], key: impl Fn(&Outcome) -> K) -> BTreeMap<K, Vec<&'a Outcome>> {
     let mut groups: BTreeMap<K, Vec<&Outcome>> = BTreeMap::new();
     outcomes.iter().for_each(|outcome| groups.entry(key(outcome)).or_default().push(outcome));
     groups
 }
 
-/// Scores by a key.
+/// Scores outcomes by a key.
 fn scored<K: Ord>(outcomes: &[&Outcome], key: impl Fn(&Outcome) -> K) -> BTreeMap<K, Scores> {
     grouped(outcomes, key).into_iter().map(|(key, of)| (key, Scores::of(&of))).collect()
 }
 
 impl Summary {
-    /// Counts outcomes.
+    /// Computes the statistics of outcomes.
     pub fn new(outcomes: &[Outcome]) -> Self {
         let all: Vec<&Outcome> = outcomes.iter().collect();
         let some = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|o| is(o)).copied().collect::<Vec<_>>();
@@ -169,7 +169,7 @@ impl Summary {
     }
 }
 
-/// The study and the guesses over the same cases.
+/// Scores of the study and the baselines over the same cases.
 fn compared(all: &[&Outcome]) -> Compared {
     let common = most_common(&all.iter().map(|o| &o.case).collect::<Vec<_>>());
     Compared {
@@ -181,11 +181,11 @@ fn compared(all: &[&Outcome]) -> Compared {
 
 /// Scores by rung, the smallest first.
 fn rungs(singles: &[&Outcome]) -> Vec<(f64, Scores)> {
-    // Rungs are above zero, and so are ordered as their bits are.
+    // Rungs are positive, so that their bits have the same order.
     scored(singles, |o| o.case.rung.to_bits()).into_iter().map(|(rung, of)| (f64::from_bits(rung), of)).collect()
 }
 
-/// Coverage in all cases, where nothing is hidden, and where the answer is right.
+/// Coverage in all cases, in those with nothing hidden, and in those with a right answer.
 fn coverages(all: &[&Outcome], right: &[&Outcome]) -> Vec<CoverageOf> {
     let of = |cases: &'static str, outcomes: &[&Outcome]| {
         let is_there = |o: &&Outcome, name: &str| {

@@ -13,7 +13,7 @@ use super::said::Said;
 use super::summary::{Scores, Summary};
 use virtual_lab::Size;
 
-/// Heads of a table of scores.
+/// Header of a table of scores.
 const SCORES: &str = "| | right | class | too shy | false alarm | wrong name | unknown said | Brier |\n\
                       |---|---|---|---|---|---|---|---|\n";
 
@@ -41,9 +41,9 @@ impl Scores {
 }
 
 impl Summary {
-    /// All tables, every case with them.
+    /// All tables, with a line for every case.
     ///
-    /// - `library`: whose effects' sizes are listed
+    /// - `library`: library whose effects' sizes are listed
     pub fn to_markdown(&self, outcomes: &[Outcome], (library, size): (&Library, Size)) -> String {
         let mut text =
             format!("# Benchmark of the study\n\n{} cases, refused {}.\n\n{SCORES}", self.cases, self.refused);
@@ -128,7 +128,7 @@ fn power(all: &[Power]) -> String {
     text
 }
 
-/// The ladder of every effect of the library.
+/// Table of the ladder of every effect of the library.
 fn sizes(library: &Library, size: Size) -> String {
     let mut rungs = RUNGS;
     rungs.sort_by(f64::total_cmp);
@@ -188,7 +188,7 @@ impl Said {
         word.and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_else(|| "refused".to_owned())
     }
 
-    /// Named effects, each with those it cannot be distinguished from in brackets, then the effect of a hint.
+    /// Named effects, each followed by its indistinguishable ones in brackets, then the effect of a hint.
     pub fn names(&self) -> String {
         let named = self.named.iter().map(|named| match named.alike.is_empty() {
             true => named.name.clone(),

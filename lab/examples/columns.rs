@@ -1,8 +1,8 @@
-//! How often a column of a table is named, and a permutation of it.
+//! Frequency with which a diagnosis names a column of a table, and with which it names a permutation of that column.
 //!
-//! `cargo run --release -p robofin-lab --example columns -- N FOLDER ...` makes each column of numbers of each table a
-//! state in turn, also one that the table does not declare, and prints the verdict with it; then it permutes the column
-//! N times, with seeds from 0, and counts how often a form of it is named.
+//! `cargo run --release -p robofin-lab --example columns -- N FOLDER ...` declares each numeric column of each table as
+//! a state in turn, including columns that the table does not declare, and prints the verdict. Then it permutes the
+//! column N times, with seeds from 0, and counts how often a form of it is named.
 
 use std::error::Error;
 use std::path::Path;
@@ -14,7 +14,7 @@ use trials::table::{Table, Usage};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// A diagnosis of a table as the program makes it.
+/// Diagnoses a table as the program does.
 fn diagnosed(table: &Table) -> Outcome<DiagnosisSummary> {
     let evidence = RowEvidence::new(table)?;
     let library = evidence.library(Library::builtin())?;
@@ -24,7 +24,7 @@ fn diagnosed(table: &Table) -> Outcome<DiagnosisSummary> {
     Ok(DiagnosisSummary::new(&evidence, &diagnosis, &|_| String::new())?)
 }
 
-/// The table with one more column as a state; `None` where a row has no number.
+/// Returns the table with one more column declared as a state; `None` if a row has no number.
 fn declared(table: &Table, covariate: usize) -> Option<Table> {
     let covariate = &table.covariates[covariate];
     let mut table = table.clone();
@@ -36,7 +36,7 @@ fn declared(table: &Table, covariate: usize) -> Option<Table> {
     Some(table)
 }
 
-/// The table with the values of a state permuted.
+/// Returns the table with the values of a state permuted.
 fn permuted(table: &Table, usage: usize, seed: u64) -> Table {
     let mut stream = Stream::of(seed, "permuted column");
     let mut table = table.clone();
@@ -49,7 +49,7 @@ fn permuted(table: &Table, usage: usize, seed: u64) -> Table {
     table
 }
 
-/// Names of the effects of columns that a diagnosis names.
+/// Names of the column effects that a diagnosis names.
 fn named(summary: &DiagnosisSummary) -> Vec<String> {
     let effects = summary.effects.iter().map(|effect| effect.name.clone());
     effects.filter(|name| name.contains("column-")).collect()

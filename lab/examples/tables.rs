@@ -1,8 +1,9 @@
-//! Diagnoses tables, and how often an effect is named where nothing is hidden.
+//! Diagnoses tables, and counts how often an effect is named where none is hidden.
 //!
-//! `cargo run --release -p robofin-lab --example tables -- [--null N] FOLDER ...` prints the verdict of each table. With
-//! `--null N` it also makes N tables of each in which the base law is true: its fitted prediction with the residuals of
-//! the table, permuted in one half of the draws and drawn with replacement in the other, and counts the verdicts.
+//! `cargo run --release -p robofin-lab --example tables -- [--null N] FOLDER ...` prints the verdict of each table.
+//! With `--null N` it also makes N null tables of each, in which the base law is true: the fitted prediction plus
+//! residuals of the table, permuted in one half of the draws and drawn with replacement in the other. It counts the
+//! verdicts.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -15,7 +16,7 @@ use trials::table::Table;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// A diagnosis of a table as the program makes it.
+/// Diagnoses a table as the program does.
 fn diagnosed(table: &Table) -> Outcome<(DiagnosisSummary, Vec<String>)> {
     let evidence = RowEvidence::new(table)?;
     let library = evidence.library(Library::builtin())?;
@@ -26,7 +27,7 @@ fn diagnosed(table: &Table) -> Outcome<(DiagnosisSummary, Vec<String>)> {
     Ok((summary, evidence.notes))
 }
 
-/// The base law fitted to a table: its prediction and the logarithm of what it leaves of each row, less its group's mean.
+/// Fits the base law to a table. Returns the prediction and the log residual of each row, less its group's mean.
 fn base(table: &Table) -> Outcome<(Vec<f64>, Vec<f64>)> {
     let evidence = RowEvidence::new(table)?;
     let model = evidence.scaled(Model::new(evidence.process()), Library::builtin())?;
@@ -45,7 +46,7 @@ fn base(table: &Table) -> Outcome<(Vec<f64>, Vec<f64>)> {
     Ok((predicted, left))
 }
 
-/// The table with the base law true.
+/// Returns the table with removals drawn under the base law.
 fn null(table: &Table, (predicted, left): &(Vec<f64>, Vec<f64>), draw: usize) -> Table {
     let mut stream = Stream::of(draw as u64, "null table");
     let known: Vec<usize> = (0..left.len()).filter(|&at| left[at].is_finite()).collect();

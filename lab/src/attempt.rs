@@ -1,7 +1,7 @@
-//! One effect tried beside a model: both fitted to the same data, and compared block by block.
+//! One effect tried beside a model: both are fitted to the same data and compared block by block.
 //!
-//! Scans are fitted on a coarser lattice first ([`Evidence::quicker`]), so that an attempt takes seconds; both fits end on the usual
-//! one. The method is that of a calibration: the same coordinates, the same sum of squares.
+//! Scans are fitted on a coarser lattice first ([`Evidence::quicker`]), so that an attempt takes seconds; both fits end
+//! on the usual lattice. Coordinates and sum of squares are those of a calibration.
 
 use effects::{CompiledModel, Library, Model, Scale};
 use rayon::prelude::*;
@@ -23,31 +23,31 @@ use crate::criteria::{
     REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS,
 };
 
-/// Cost of a fit that goes to the end of its valley, and of one whose derivatives are known.
+/// Cost of a fit until convergence, and of one whose derivatives are known.
 const REFINED: FitOptions = FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
 const LAST: FitOptions = FitOptions { derivatives: 1, steps: REFINED_FIT_STEPS };
 const CARRIED: FitOptions = FitOptions { derivatives: QUICK_FIT_DERIVATIVES, steps: QUICK_FIT_STEPS };
-/// Values of a parameter from which a fit begins, over its usual one: of a ratio, and of a size with a null.
+/// Factors from a parameter's usual value to its starting values, for ratios and for sizes with a null.
 const RATIOS: [f64; 3] = [1.0, 0.2, 5.0];
 const SIZES: [f64; 4] = [1.0, -1.0, 3.0, -3.0];
 
-/// A model and the same with one effect more, both fitted.
+/// A model without and with one more effect, both fitted.
 pub struct Attempt {
-    /// The fit of the model as it was.
+    /// Fit of the model without the effect.
     pub before: Fit,
-    /// The fit with the effect.
+    /// Fit of the model with the effect.
     pub with: Fit,
-    /// Models with the values of the fits.
+    /// Models with the fitted values: without and with the effect.
     pub models: [Model; 2],
-    /// Both against the same data.
+    /// Comparison of both on the same data.
     pub paired: Paired,
-    /// Log density of whole passes left out, as the others predict them, above that of the model without the effect [nats].
+    /// Cross-validated log density of whole passes with the effect, minus that without it [nats].
     pub predicts_better_by: f64,
 }
 
 impl Attempt {
-    /// Which model is better: by the data that no fit saw where there are any, and the model with the effect only if it also
-    /// predicts whole passes left out of the fit better.
+    /// Returns the better model. Held-out data decide where there are any. The model with the effect must also predict
+    /// better the whole passes that are left out of the fit.
     pub fn better(&self) -> Better {
         match self.paired.deciding().better() {
             Better::Second if self.predicts_better_by <= 0.0 => Better::Neither,
@@ -55,40 +55,40 @@ impl Attempt {
         }
     }
 
-    /// Standard deviation of what the model with the effect leaves, in noises; at least one.
+    /// Standard deviation of the whitened residuals of the model with the effect; at least one.
     pub fn spread(&self) -> f64 {
         spread(&self.with.residuals)
     }
 }
 
-/// A model, the same with one effect more, and how they are to be fitted.
+/// A model without and with one more effect, and how to fit them.
 pub struct Rivals<'a> {
-    /// The model.
+    /// The model without the effect.
     pub model: &'a CompiledModel,
     /// True if its values come from a fit to the same data.
     pub is_known: bool,
     /// The model with the effect.
     pub larger: &'a CompiledModel,
-    /// Name of the effect.
+    /// Name of the added effect.
     pub effect: &'a str,
 }
 
-/// Data with which an effect can be tried.
+/// Data on which an effect can be tried.
 pub trait Tried: Totals {
-    /// Fits of a model without and with an effect.
+    /// Fits a model without and with an effect.
     ///
     /// # Errors
-    /// When one cannot be simulated.
+    /// If one of them cannot be simulated.
     fn fits(&mut self, rivals: &Rivals) -> Result<[Fit; 2], EvidenceError>;
 }
 
 impl Attempt {
     /// Tries an effect of a library beside a model.
     ///
-    /// - `is_known`: whether the model's values come from a fit to these data
+    /// - `is_known`: true if the model's values come from a fit to these data
     ///
     /// # Errors
-    /// When the data cannot show the effect, or a model cannot be simulated.
+    /// If the data cannot show the effect, or a model cannot be simulated.
     pub fn new(
         evidence: &mut dyn Tried,
         (model, is_known): (&Model, bool),
@@ -152,12 +152,12 @@ impl Tried for ScanEvidence<'_> {
 }
 
 impl Rivals<'_> {
-    /// Where the fit of the model begins: at its own values, or where it removes what was removed.
+    /// Returns the model with the starting values of its fit: its own, or with the rate matched to the total removal.
     fn start(&self, evidence: &dyn Totals) -> Result<CompiledModel, EvidenceError> {
         if self.is_known { Ok(self.model.clone()) } else { with_matched_rate(evidence, self.model) }
     }
 
-    /// Both fits to data, each from where the other says that it may begin.
+    /// Fits both models; each also starts from the other's result.
     fn fits(&self, evidence: &dyn Totals) -> Result<[Fit; 2], EvidenceError> {
         let start = self.start(evidence)?;
         let before = to_the_end(evidence, Fit::new(evidence, &start, evidence.coordinates(&start), REFINED)?)?;
@@ -166,8 +166,8 @@ impl Rivals<'_> {
         Ok([lower(before, again), with])
     }
 
-    /// The larger model, fitted from several sizes of the effect, with the other parameters where they are and where they
-    /// began: a model that lacks the effect may have gone astray.
+    /// Fits the larger model from several sizes of the effect. The other parameters start at their fitted values and at
+    /// their starting values: a model that lacks the effect may have converged far away.
     fn grown(&self, evidence: &dyn Totals, before: &Fit) -> Result<Fit, EvidenceError> {
         let coordinates = evidence.coordinates(self.larger);
         let beginning = moved(&before.model, &before.coordinates, &before.begun);
@@ -187,15 +187,15 @@ impl Rivals<'_> {
     }
 }
 
-/// A model with the derivatives that another fit has, refined.
+/// Refines a model from a starting point, with the derivatives of another fit.
 fn begun(evidence: &dyn Totals, start: &CompiledModel, like: &Fit) -> Result<Fit, EvidenceError> {
     let mut fit = Fit::unfitted(evidence, start, evidence.coordinates(start))?;
     fit.borrow_derivatives(evidence, |coordinate| like.column(coordinate));
     Ok(fit.refined(evidence, CARRIED))
 }
 
-/// A fit begun again from where it ended until that gains nothing: on an uneven lattice a step may fail that new derivatives
-/// make.
+/// Restarts a fit where it ended until χ² falls no further: on an uneven lattice a step may fail that succeeds with new
+/// derivatives.
 fn to_the_end(evidence: &dyn Totals, mut fit: Fit) -> Result<Fit, EvidenceError> {
     for _ in 0..ATTEMPT_ROUNDS {
         let again = Fit::new(evidence, &fit.model, fit.coordinates.clone(), REFINED)?;
@@ -212,7 +212,7 @@ fn lower(a: Fit, b: Fit) -> Fit {
     if b.chi2 < a.chi2 { b } else { a }
 }
 
-/// A model with an effect at several of its sizes: all of one parameter, then those of the next beside its usual value.
+/// Returns the model with an effect at up to [`ATTEMPT_STARTS`] combinations of its parameters' starting sizes.
 fn sized(model: &CompiledModel, coordinates: &[Coordinate], effect: &str) -> Vec<CompiledModel> {
     let own = coordinates.iter().filter(|coordinate| coordinate.slot.owner == effect);
     let mut starts = vec![model.clone()];

@@ -1,4 +1,4 @@
-//! Where the fit of a base law begins: at rates that remove what was removed in all, with ratios of several orders.
+//! Starting values of a fit of a base law: rates that match the total removal, and ratios over orders of magnitude.
 
 use effects::{CompiledModel, Scale};
 use rayon::prelude::*;
@@ -9,10 +9,10 @@ use super::staged::{fit_rate, is_rate};
 use super::totals::Totals;
 use crate::criteria::{START_RATE_TOLERANCE, START_RATIO};
 
-/// A model with the removal rate that removes as much in all as was measured, where it has such a rate.
+/// Returns the model with the rate that reproduces the measured total removal; unchanged if it has no such rate.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub(super) fn with_matched_rate(evidence: &dyn Totals, model: &CompiledModel) -> Result<CompiledModel, EvidenceError> {
     let coordinates = evidence.coordinates(model);
     let quicker = evidence.quicker();
@@ -23,8 +23,9 @@ pub(super) fn with_matched_rate(evidence: &dyn Totals, model: &CompiledModel) ->
     }
 }
 
-/// Other values of the laws from which to fit: every ratio but the rate a factor larger and smaller, for a fit does not
-/// find its way from the valley of a soft contact to that of a stiff one. Places that cannot be simulated are left out.
+/// Returns further starting models: each ratio but the rate is multiplied and divided by a factor, because a fit does
+/// not find its way from the minimum of a soft contact to that of a stiff one. Starts that cannot be simulated are left
+/// out.
 pub(super) fn other_starts(evidence: &dyn Totals, model: &CompiledModel) -> Vec<CompiledModel> {
     let coordinates = evidence.coordinates(model);
     let is_ratio = |c: &&Coordinate| c.slot.is_law && c.slot.scale == Scale::Log && !is_rate(model, c);

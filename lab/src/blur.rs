@@ -1,5 +1,5 @@
-//! The instrument's lateral blur, on what the tool has changed: the rest of a simulated surface comes from a scan and is
-//! blurred already.
+//! Lateral blur of the instrument, applied only where the tool changed the surface: the rest of a simulated surface
+//! comes from a scan and is already blurred.
 
 use sdf_bake::HeightMap;
 
@@ -8,7 +8,8 @@ use crate::criteria::CHANGED_HEIGHT;
 /// Reach of the Gaussian [standard deviations].
 const REACH: f64 = 3.0;
 
-/// The simulated surface as an instrument sees it whose point spread is a Gaussian with standard deviation `blur` [m].
+/// Returns the simulated surface as seen by an instrument whose point spread function is a Gaussian with standard
+/// deviation `blur` [m].
 ///
 /// - `before`: the scan from which the simulation began, on the same pixels
 pub fn blurred(simulated: &HeightMap, before: &HeightMap, blur: f64) -> HeightMap {
@@ -33,7 +34,7 @@ pub fn blurred(simulated: &HeightMap, before: &HeightMap, blur: f64) -> HeightMa
     seen
 }
 
-/// Values weighed with those around them, first along rows, then along columns; nothing comes from beyond the border.
+/// Convolves values along rows, then along columns; the border contributes nothing from outside.
 ///
 /// - `size`: columns and rows
 /// - `weights`: by distance [pixels]
@@ -58,7 +59,7 @@ fn spread(values: &[f64], [nx, ny]: [usize; 2], weights: &[f64]) -> Vec<f64> {
     both
 }
 
-/// A Gaussian along one axis of the pixels.
+/// A Gaussian kernel along one axis of the pixels.
 struct Kernel {
     reach: usize,
     weights: Vec<f64>,
@@ -67,8 +68,8 @@ struct Kernel {
 impl Kernel {
     /// - `sigma`: standard deviation [pixels]
     ///
-    /// The reach is that of the whole pixels within three standard deviations and one more, which fades in: what is seen
-    /// changes evenly with the blur.
+    /// The kernel reaches the whole pixels within three standard deviations and one more, which fades in. So the result
+    /// is continuous in the blur.
     fn new(sigma: f64) -> Self {
         let span = REACH * sigma;
         let reach = span.ceil() as usize;
@@ -78,14 +79,14 @@ impl Kernel {
     }
 }
 
-/// Where a smooth cost of one number is least: the best of evenly spaced values, then the vertices of parabolas through
-/// the three best beside it.
+/// Minimises a smooth cost of one number: takes the best of evenly spaced values, then vertices of parabolas through
+/// the best three points.
 ///
-/// - `steps`: values tried at first, both ends included
-/// - `settled`: step that counts as none
+/// - `steps`: number of values tried at first, both ends included
+/// - `settled`: step below which the search ends
 ///
 /// # Errors
-/// The first that the cost returns.
+/// The first error of the cost function.
 pub fn least_of<E>(
     cost: impl Fn(f64) -> Result<f64, E>,
     ([least, greatest], steps): ([f64; 2], usize),
@@ -111,11 +112,11 @@ pub fn least_of<E>(
     Ok(known.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(least, |best| best.0))
 }
 
-/// Parabolas at most, and the least share of the wider side that a step takes, so that both sides close in.
+/// Most parabolas, and least step as a share of the wider side, so that both sides shrink.
 const MOST_VERTICES: usize = 12;
 const SHORTEST: f64 = 0.02;
 
-/// Lowest point of the parabola through three points with rising places; `None` where they lie on a line.
+/// Vertex of the parabola through three points of increasing abscissa; `None` if they are collinear.
 fn vertex((x0, y0): (f64, f64), (x1, y1): (f64, f64), (x2, y2): (f64, f64)) -> Option<f64> {
     let (left, right) = ((x1 - x0) * (y1 - y2), (x1 - x2) * (y1 - y0));
     let bend = left - right;

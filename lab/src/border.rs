@@ -1,27 +1,28 @@
-//! The border between what is exposed and what is not, as places, and how far others are from it.
+//! Border between exposed and unexposed pixels as a set of points, and the distance of other places from it.
 
 use glam::DVec2;
 use sdf_bake::PixelGrid;
 
-/// The border of the pixels on which a field is above zero.
+/// Border of the region in which a field is positive.
 #[derive(Clone, Debug)]
 pub struct Border {
     places: Vec<DVec2>,
 }
 
-/// A place seen from a border.
+/// A place relative to a border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Distance to the border [m], above zero where the field is above zero.
+    /// Signed distance to the border [m], positive where the field is.
     pub distance: f64,
-    /// Direction in which the distance rises; zero on the border and out of reach.
+    /// Direction in which the distance increases; zero on the border and out of reach.
     pub away: DVec2,
-    /// The nearest place of the border, if one is in reach.
+    /// Nearest point of the border, if one is within reach.
     pub nearest: Option<DVec2>,
 }
 
 impl Border {
-    /// Where a field with one value per pixel, NaN where it is unknown, passes zero between a pixel and the next along x or y.
+    /// Finds the zero crossings of a field between neighbouring pixels along x and y. The field has one value per
+    /// pixel, NaN where it is unknown.
     pub fn new(field: &[f64], pixels: PixelGrid) -> Self {
         let mut places = Vec::new();
         for at in 0..field.len() {
@@ -42,7 +43,7 @@ impl Border {
         self.places.len()
     }
 
-    /// A place, its side known, seen from the border; distances beyond `reach` [m] count as that.
+    /// Locates a place, whose side is known, relative to the border; distances are clamped to `reach` [m].
     pub fn seen_from(&self, place: DVec2, is_above: bool, reach: f64) -> Seen {
         let sign = if is_above { 1.0 } else { -1.0 };
         let nearest = self.places.iter().min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));

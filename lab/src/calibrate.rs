@@ -1,4 +1,4 @@
-//! The free parameters of a model, fitted to the calibration data.
+//! Fit of a model's free parameters to the calibration data.
 
 use effects::{CompiledModel, Library, Model};
 use rayon::prelude::*;
@@ -13,16 +13,16 @@ use super::space_mapping::Surrogate;
 use super::totals::Totals;
 use crate::criteria::{RESTARTS_FITTED, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
 
-/// Cost of a fit that only finds the place for the next.
+/// Cost of a rough fit that only provides starting values for the next.
 const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps: ROUGH_FIT_STEPS };
 
-/// Fits the free parameters of a base law to the calibration data. The fit begins where as much is removed in all as was
-/// measured. A model that lacks something may leave a landscape of several valleys: where much is left, it is begun again
-/// from both sides of where it ended and at ratios of other orders, on a coarser lattice where there is one: all roughly, the
-/// best few to the end.
+/// Fits the free parameters of a base law to the calibration data. The fit starts at the rate that matches the measured
+/// total removal. A model that lacks an effect may have several local minima: where the residual is large, the fit is
+/// restarted on both sides of its result and at other orders of magnitude of the ratios, on a coarser lattice where
+/// there is one. All restarts are fitted roughly, the best few until convergence.
 ///
 /// # Errors
-/// When it cannot be simulated.
+/// If it cannot be simulated.
 pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
     let coordinates = evidence.coordinates(model);
     let fitted = |model: &CompiledModel| Fit::new(evidence, model, coordinates.clone(), FitOptions::default());
@@ -47,10 +47,10 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
     Ok(Fit { begun: first.begun.clone(), ..better(first, best) })
 }
 
-/// A few steps of a fit, for what must be known near the best values before these can be found.
+/// Takes a few steps of a fit, for quantities that are needed near the best values before these can be found.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
     let model = with_matched_rate(evidence, model)?;
     let fit = Fit::unfitted(evidence, &model, evidence.coordinates(&model))?;
@@ -60,20 +60,20 @@ pub fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result:
     })
 }
 
-/// Calibrates a model, and the models that it grew from.
+/// Calibrates a model and the smaller models on the way to it.
 ///
 /// # Errors
-/// When it cannot be simulated or compiled.
+/// If it cannot be simulated or compiled.
 pub fn calibrate(evidence: &dyn Totals, model: &Model, library: &Library) -> Result<Calibration> {
     let start = uncalibrated(model, library, evidence)?;
     Calibration::new(evidence, (model, &start), library, (Order::Joint, &|_| {}))
 }
 
-/// Calibrates a model against scans, and the models that it grew from. The evidence then knows what the simulation's lattice
-/// errs by near the best values, and gives up simulations that take far longer than the model's.
+/// Calibrates a model against scans, and the smaller models on the way to it. Afterwards the evidence holds the lattice
+/// error near the best values, and abandons simulations that take far longer than the model's.
 ///
 /// # Errors
-/// When it cannot be simulated or compiled.
+/// If it cannot be simulated or compiled.
 pub fn calibrate_scans(evidence: &mut ScanEvidence, model: &Model, library: &Library) -> Result<Calibration> {
     let start = uncalibrated(model, library, evidence)?;
     evidence.calibrated((model, &start), library, (Order::Joint, &|_| {}))

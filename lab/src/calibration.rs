@@ -1,5 +1,5 @@
-//! A model fitted step by step: the base law, then each effect of the model in the order of its file. What each step
-//! leaves is the waterfall of a study.
+//! Stepwise fit of a model: the base law, then each effect in the order of the model file. The residuals after each
+//! step form the waterfall of a study.
 
 use std::collections::BTreeMap;
 
@@ -19,52 +19,52 @@ use super::totals::{Total, Totals};
 use super::with_values;
 use crate::criteria::{FIT_CONVERGED_DELTA_CHI2, RENEWED_FIT_DERIVATIVES, RENEWED_FIT_STEPS};
 
-/// What the name of a step begins with that adds an effect.
+/// Prefix of the name of a step that adds an effect.
 const ADDED: &str = "+ ";
 
-/// In which order parameters are fitted.
+/// Order in which parameters are fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
-    /// All parameters and the scans' poses at once.
+    /// All parameters and the scans' poses together.
     #[default]
     Joint,
-    /// First the removal rate from what was removed in all, then the rest from the profiles.
+    /// First the removal rate from the total removal, then the other parameters from the profiles.
     Staged,
 }
 
 /// A model fitted to the calibration data.
 pub struct Fitted {
-    /// What it adds: `base model`, `+ grit-dulling`.
+    /// Name of the step: `base model`, `+ grit-dulling`.
     pub name: String,
-    /// The fit; of the staged order, the fit of the second stage.
+    /// The fit; in staged order, that of the second stage.
     pub fit: Fit,
-    /// Both stages, where the order was staged.
+    /// Both stages, in staged order.
     pub staged: Option<Staged>,
 }
 
-/// A model calibrated, with every step on the way to it.
+/// A calibrated model with every step on the way to it.
 pub struct Calibration {
     /// The order of the fits.
     pub order: Order,
     /// The model with its fitted values.
     pub model: Model,
-    /// The base law before anything was fitted.
+    /// The base law before any fit.
     pub start: CompiledModel,
-    /// The base law, then each effect; the last is the whole model.
+    /// The base law, then each effect; the last step is the whole model.
     pub steps: Vec<Fitted>,
 }
 
-/// Cost of a fit that goes on after the data were seen better.
+/// Cost of a fit that continues after the data have been refined.
 const RENEWED: FitOptions = FitOptions { derivatives: RENEWED_FIT_DERIVATIVES, steps: RENEWED_FIT_STEPS };
 
 impl Fitted {
-    /// The base law.
+    /// Fits the base law.
     fn law(evidence: &dyn Totals, model: &CompiledModel) -> Result<Self> {
         Ok(Self { name: BASE_STEP.to_owned(), fit: fit_law(evidence, model)?, staged: None })
     }
 
-    /// A model in two stages.
+    /// Fits a model in two stages.
     fn in_stages(evidence: &dyn Totals, name: String, model: &CompiledModel) -> Result<Self> {
         let Some((staged, fit)) = Staged::new(evidence, model)? else {
             return Err(LabError::Refused(
@@ -75,9 +75,9 @@ impl Fitted {
         Ok(Self { name, fit, staged: Some(staged) })
     }
 
-    /// A model that has one effect more than one that is fitted. The fit begins at the fitted values, with the effect once as
-    /// the file has it and once at its null, and once with all values of the file but the rate. The best of the three counts; it
-    /// never ends worse than the model before.
+    /// Fits a model with one effect more than a fitted one. There are three starts: the fitted values with the effect
+    /// at its values in the file; the fitted values with the effect at its null; and all values of the file but the
+    /// rate. The best result is kept; it is never worse than the smaller model.
     fn grown(evidence: &dyn Totals, (before, own): (&Fit, &CompiledModel), name: String) -> Result<Self> {
         let effect = name.trim_start_matches(ADDED);
         let coordinates = evidence.coordinates(own);
@@ -88,9 +88,9 @@ impl Fitted {
         let ends = |starts: &[CompiledModel]| -> Vec<Fit> {
             starts.par_iter().filter_map(|start| fit_from(start).ok()).collect()
         };
-        // Fits that differ by less are one, and the first start counts.
+        // Fits that differ by less count as equal, and the earlier start is kept.
         let lower = |a: Fit, b: Fit| if b.chi2 < a.chi2 - FIT_CONVERGED_DELTA_CHI2 { b } else { a };
-        // A fit that is good may still be in the wrong valley: an effect with the wrong sign drives a stiffness far away.
+        // A good fit may still be in the wrong minimum: an effect of the wrong sign drives the stiffness far off.
         let best = ends(&[beside, matched, null.clone()]).into_iter().reduce(lower);
         let mut best = best.map_or_else(|| fit_from(&null), Ok)?;
         if best.is_poor() {
@@ -100,14 +100,14 @@ impl Fitted {
         Ok(Self { name, fit, staged: None })
     }
 
-    /// What the fit says about each parameter.
+    /// Estimate of each parameter.
     pub fn estimates(&self) -> Vec<Estimate> {
         let profiles = self.fit.estimates(spread(&self.fit.residuals));
         self.staged.iter().map(|staged| staged.rate.clone()).chain(profiles).collect()
     }
 }
 
-/// A model with the values that a fit of a smaller one has.
+/// Returns a model with the values of a fit of a smaller one.
 pub(super) fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel {
     let mut model = model.clone();
     let known: BTreeMap<String, f64> =
@@ -118,7 +118,7 @@ pub(super) fn with_values_of(model: &CompiledModel, fit: &Fit) -> CompiledModel 
     model
 }
 
-/// A model with the sizes of an effect at their null.
+/// Returns a model with the sizes of an effect at their null.
 pub(super) fn at_null(model: &CompiledModel, effect: &str) -> CompiledModel {
     let mut model = model.clone();
     let own: Vec<(usize, f64)> = (model.parameters().iter().enumerate())
@@ -129,14 +129,14 @@ pub(super) fn at_null(model: &CompiledModel, effect: &str) -> CompiledModel {
 }
 
 impl Calibration {
-    /// Fits a model: its base law alone, then with one effect after the other, each beginning where the one before ended.
-    /// Evaluation data take no part.
+    /// Fits a model stepwise: first its base law, then with one effect after the other. Each fit starts from the result
+    /// of the one before. Evaluation data take no part.
     ///
-    /// - `start`: the base law with the values that it has before any fit
+    /// - `start`: the base law with its values before any fit
     /// - `done`: called after each fit with its name
     ///
     /// # Errors
-    /// When a model cannot be simulated, or has no removal rate that the staged order needs.
+    /// If a model cannot be simulated, or has no removal rate that the staged order needs.
     pub fn new(
         evidence: &dyn Totals,
         (model, start): (&Model, &Model),
@@ -163,10 +163,10 @@ impl Calibration {
         Ok(Self { order, model: fitted, start, steps })
     }
 
-    /// The same fits taken further, after the evidence has changed a little.
+    /// Continues the same fits after the evidence has changed slightly.
     ///
     /// # Errors
-    /// When a model cannot be simulated any more.
+    /// If a model can no longer be simulated.
     pub fn renewed(mut self, evidence: &dyn Totals) -> Result<Self> {
         for step in &mut self.steps {
             step.fit = step.fit.clone().seen_anew(evidence)?.finished(evidence, RENEWED);
@@ -189,29 +189,30 @@ impl Calibration {
     }
 }
 
-/// A model of the waterfall against all data of a split.
+/// A model of the waterfall compared with all data of a split.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// How well each scan is described.
+    /// Agreement of the model with each scan.
     pub agreement: Vec<Agreement>,
-    /// What was removed in all.
+    /// Measured and predicted total removals.
     pub totals: Vec<Total>,
 }
 
 impl Judged {
-    /// Holds a model against a split.
+    /// Compares a model with a split.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If it cannot be simulated.
     pub fn new(evidence: &dyn Totals, model: &CompiledModel, split: Split) -> Result<Self, EvidenceError> {
         Ok(Self { agreement: evidence.agreement(model, split)?, totals: evidence.totals(model, split)? })
     }
 }
 
-/// The base law of a model without its effects, free parameters at the library's values: where every calibration begins.
+/// Returns the base law of a model without effects, free parameters at the library's values: the start of every
+/// calibration.
 ///
 /// # Errors
-/// A model that the library does not know.
+/// If the library does not know the model.
 pub fn uncalibrated(model: &Model, library: &Library, evidence: &dyn Totals) -> Result<Model> {
     let mut base = Model { effects: Vec::new(), ..model.clone() };
     let compiled = CompiledModel::new(&base, library, evidence.rows())?;

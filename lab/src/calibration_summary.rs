@@ -1,4 +1,4 @@
-//! A calibration in numbers and words: units of the library, lengths in µm.
+//! Summary of a calibration: library units, lengths in µm.
 
 use effects::{CompiledModel, Library};
 use serde::Serialize;
@@ -10,61 +10,61 @@ use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summar
 use super::totals::{Total, Totals};
 use crate::criteria::{CriterionValues, STRONG_CORRELATION};
 
-/// How two parameters' errors go together.
+/// Correlation of the errors of two parameters.
 #[derive(Clone, Debug, Serialize)]
 pub struct Correlation {
-    /// Their names.
+    /// Names of the parameters.
     pub between: [String; 2],
-    /// Correlation; absent where the data do not fix one of them.
+    /// Correlation; absent where the data do not determine one of them.
     pub value: Option<f64>,
 }
 
-/// Error of what was removed up to a scan, after each step of the waterfall.
+/// Error of the total removal up to a scan, after each step of the waterfall.
 #[derive(Clone, Debug, Serialize)]
 pub struct RemovalError {
-    /// Trial and pass, or the table.
+    /// Name of the trial and pass, or of the table.
     pub about: String,
-    /// Whether fits saw it.
+    /// True for calibration data, false for held-out data.
     pub is_calibration: bool,
-    /// Predicted minus measured of the base model and after each effect [% of the measured].
+    /// Predicted minus measured, for the base model and after each effect [% of the measured].
     pub error_percent: Vec<f64>,
-    /// Standard deviation of the measured [%].
+    /// Standard deviation of the measured value [%].
     pub sigma_percent: f64,
 }
 
-/// A whole calibration.
+/// Summary of a calibration.
 #[derive(Clone, Debug, Serialize)]
 pub struct CalibrationSummary {
     /// The order of the fits.
     pub order: Order,
-    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What noise alone would leave of the calibration passes [µm].
+    /// Noise floor of the calibration passes [µm].
     pub noise_floor_um: f64,
-    /// The same of the evaluation passes; absent where none is held out.
+    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
     pub evaluation_noise_floor_um: Option<f64>,
-    /// Sum of squares of the whole model's whitened residuals, in which outliers count linearly.
+    /// Robust χ² of the whole model: sum of squared whitened residuals, in which outliers count linearly.
     pub chi2: f64,
-    /// Data less free parameters: what χ² is near where only noise is left.
+    /// Number of data minus free parameters; χ² is near it where only noise is left.
     pub degrees_of_freedom: usize,
-    /// From raw data to the whole model.
+    /// Errors from the raw data to the whole model.
     pub waterfall: Vec<WaterfallStep>,
-    /// All that was removed from the start up to each scan, its pose fitted; empty of a table, whose error says it already.
+    /// Errors of the total removal up to each scan, with fitted pose; empty for a table, whose error is this already.
     pub removal: Vec<RemovalError>,
-    /// All parameters of the whole model.
+    /// Estimates of all parameters of the whole model.
     pub parameters: Vec<ParameterSummary>,
-    /// Their correlations.
+    /// Correlations of the parameters.
     pub correlations: Vec<Correlation>,
-    /// What is to be known of them, one sentence each.
+    /// Remarks on the calibration, one sentence each.
     pub remarks: Vec<String>,
-    /// The numbers behind all decisions, by name.
+    /// Values of all decision criteria, by name.
     pub criteria: CriterionValues,
 }
 
 /// Steps of the waterfall before any fit, and the noise floors of calibration and evaluation passes.
 pub type Beginning = (Vec<WaterfallStep>, (f64, Option<f64>));
 
-/// The two splits of one model.
+/// One model compared with both splits.
 struct Step {
     name: String,
     calibration: Judged,
@@ -72,10 +72,10 @@ struct Step {
 }
 
 impl CalibrationSummary {
-    /// Sums up a calibration; here, and nowhere before, the evaluation data are looked at.
+    /// Summarises a calibration; the evaluation data are read here for the first time.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub fn new(evidence: &dyn Totals, calibration: &Calibration, library: &Library) -> Result<Self, EvidenceError> {
         let unit = evidence.unit();
         let judge = |name: &str, model| {
@@ -120,11 +120,11 @@ impl CalibrationSummary {
     }
 }
 
-/// The base law before any fit: as the scans came, and laid on the surface that the tool left alone; and the noise floors of
-/// calibration and evaluation passes.
+/// Errors of the base law before any fit, with the scans as measured and registered on the untouched surface; and the
+/// noise floors of calibration and evaluation passes.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<Beginning, EvidenceError> {
     let unit = evidence.unit();
     let mean = |all: &[f64]| {
@@ -175,13 +175,13 @@ fn in_words(correlation: &Correlation) -> Option<String> {
     ))
 }
 
-/// Effects of the model that these data cannot show.
+/// Sentences on effects of the model that these data cannot show.
 fn unseen(evidence: &dyn Totals, calibration: &Calibration, library: &Library) -> Vec<String> {
     let blind = |name: &String| Some(format!("{name} cannot show: {}", evidence.is_blind_to(library.find(name)?)?));
     calibration.model.effects.iter().map(|part| &part.name).filter_map(blind).collect()
 }
 
-/// What the second stage did to the totals that the first was fitted to.
+/// Sentence on the error of the total removal after each of the two stages of the staged order.
 fn lost(totals: &[Vec<Total>; 2]) -> String {
     let [first, second] = totals.each_ref().map(|totals| {
         let (predicted, measured) = totals.iter().fold((0.0, 0.0), |(p, m), t| (p + t.predicted, m + t.measured));

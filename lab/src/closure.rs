@@ -1,5 +1,5 @@
-//! The closure of scans: smooth relative changes of the removal, over the part and over each pass, as columns of the
-//! whitened data; and the stretches of passes that are left out together when a model is asked to predict.
+//! Closure of scans: smooth relative changes of the removal, over the part and over each pass, as columns of the
+//! whitened data; and the folds of cross-validation, which are stretches of passes.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::criteria::{
     SMOOTH_ERROR_REMOVAL,
 };
 
-/// The rectangle along the way in which the tiles of scans lie.
+/// Bounding rectangle of the tiles, aligned with the longer axis.
 struct Frame {
     along: DVec2,
     low: DVec2,
@@ -39,12 +39,12 @@ impl Frame {
         frame
     }
 
-    /// A place along and across the longer axis [m].
+    /// Coordinates of a place along and across the longer axis [m].
     fn turned(&self, place: DVec2) -> DVec2 {
         DVec2::new(self.along.dot(place), self.along.perp_dot(place))
     }
 
-    /// Values at a place of the products of hats along and across; they sum to one.
+    /// Values at a place of the products of hat functions along and across; they sum to one.
     fn hats(&self, place: DVec2, [along, across]: [usize; 2]) -> Vec<f64> {
         let share = (self.turned(place) - self.low) / (self.high - self.low).max(DVec2::splat(f64::MIN_POSITIVE));
         let (along, across) = (hats(share.x, along), hats(share.y, across));
@@ -52,25 +52,25 @@ impl Frame {
     }
 }
 
-/// Values of hats at even distances over 0 to 1.
+/// Values of evenly spaced hat functions over 0 to 1.
 fn hats(share: f64, count: usize) -> Vec<f64> {
     let at = share.clamp(0.0, 1.0) * (count - 1) as f64;
     (0..count).map(|k| (1.0 - (at - k as f64).abs()).max(0.0)).collect()
 }
 
 impl ScanEvidence<'_> {
-    /// Change of the whitened calibration data per unit of each term of the closure, shape [data, columns]. One set of
-    /// terms covers the part and one each pass; a set of terms that are all 1 changes the removal by all of it.
+    /// Change of the whitened calibration data per unit of each closure term, shape [data, columns]. One set of terms
+    /// covers the part, and one each pass; with all terms of a set at 1 the removal changes by 100 %.
     pub(super) fn closure_columns(&self) -> DMatrix<f64> {
         let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let removed: Vec<Vec<f64>> = views.iter().map(|view| self.removed(view)).collect();
         self.smooth_columns((&views, &removed), Vec::new())
     }
 
-    /// As [`Self::closure_columns`], for the smooth error that the simulation of a model itself may have.
+    /// As [`Self::closure_columns`], for the smooth error of the simulation itself.
     ///
     /// # Errors
-    /// When the borders of what is exposed are needed and the model cannot be simulated.
+    /// If exposure borders are needed and the model cannot be simulated.
     pub(super) fn smooth_error_columns(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
         let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
         let masks = views.iter().any(|view| matches!(view.data, ScanData::Exposure(_)));
@@ -86,7 +86,7 @@ impl ScanEvidence<'_> {
             }
         };
         let errors: Vec<Vec<f64>> = views.iter().enumerate().map(error).collect();
-        // A pass may also be off as a whole.
+        // A pass may also have an error common to all its tiles.
         let own = |scan: usize, pass: usize| -> Vec<f64> {
             increment((&views, &errors), scan, pass).into_iter().map(|error| SMOOTH_ERROR_PASS * error).collect()
         };
@@ -96,7 +96,8 @@ impl ScanEvidence<'_> {
         Ok(self.smooth_columns((&views, &errors), whole))
     }
 
-    /// Whitened hats over the part and over each pass, times what was removed from each tile of each scan; and `more` columns.
+    /// Whitened products of hat functions and the removed depth of each tile, over the part and over each pass; then
+    /// the `more` columns.
     fn smooth_columns(&self, (views, removed): (&[&ScanView], &[Vec<f64>]), more: Vec<Vec<f64>>) -> DMatrix<f64> {
         let frame = Frame::of(views.iter().map(|view| view.data.tiles()));
         let whole = |scan: usize, _: usize| removed[scan].clone();
@@ -113,7 +114,8 @@ impl ScanEvidence<'_> {
         matrix
     }
 
-    /// Removed depth of each tile up to a scan [m]; of an exposure mask, the largest shift of its border that shows.
+    /// Removed depth of each tile up to a scan [m]; for an exposure mask, the largest detectable shift of its border
+    /// [m].
     fn removed(&self, view: &ScanView) -> Vec<f64> {
         match &view.data {
             ScanData::Heights(data) => {
@@ -125,7 +127,7 @@ impl ScanEvidence<'_> {
         }
     }
 
-    /// For each datum of the calibration scans the number of its fold: a stretch of one pass.
+    /// Fold number of each datum of the calibration scans; a fold is a stretch of one pass.
     pub(super) fn stretches(&self) -> Vec<usize> {
         let count = FOLDS_LEAST.div_ceil(self.of(Split::Calibration).count().max(1));
         let stretches = |(scan, view): (usize, &ScanView)| {
@@ -144,9 +146,9 @@ impl ScanEvidence<'_> {
     }
 }
 
-/// Whitened columns of hats times what was removed, a set for each of `sets`.
+/// Whitened columns of hat functions times the removed depth, for each of `sets`.
 ///
-/// - `removed`: of each tile of a scan, for a set
+/// - `removed`: removed depth of each tile of a scan, for a set
 fn columns(
     (views, frame): (&[&ScanView], &Frame),
     shape: [usize; 2],
@@ -169,7 +171,7 @@ fn columns(
     all
 }
 
-/// Depth that a pass removed from each tile of a scan [m]; 0 for scans before it and for other trials.
+/// Depth that one pass removed from each tile of a scan [m]; 0 for earlier scans and other trials.
 fn increment((views, removed): (&[&ScanView], &[Vec<f64>]), scan: usize, pass: usize) -> Vec<f64> {
     let (seen, own) = (views[scan], views[pass]);
     if seen.trial != own.trial || seen.pass < own.pass {

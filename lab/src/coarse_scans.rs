@@ -1,5 +1,5 @@
-//! Scans predicted on a coarser lattice: twice the voxel takes a fifth of the time. [`super::space_mapping`] makes the
-//! prediction agree with the usual one.
+//! Prediction of scans on a coarser lattice: twice the voxel takes a fifth of the time. [`super::space_mapping`]
+//! corrects it to agree with the usual prediction.
 
 use effects::CompiledModel;
 

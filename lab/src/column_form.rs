@@ -1,4 +1,4 @@
-//! Forms of the dependence of the rate on a column of a table: each is an effect file with numbers left open.
+//! Forms of the dependence of the rate on a table column: each is a template of an effect file.
 
 use effects::Dimension;
 
@@ -9,36 +9,36 @@ use crate::criteria::{
     COLUMN_FLOOR_SHORTEST, COLUMN_FORM_LEVELS, COLUMN_POWER_RATIO,
 };
 
-/// A form.
+/// Functional form of a dependence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColumnForm {
-    /// An exponential, the first order of any dependence.
+    /// An exponential; to first order, any smooth dependence.
     Exponential,
     /// A straight line.
     Line,
     /// A power.
     Power,
-    /// An exponential that nears a floor.
+    /// An exponential that approaches a floor.
     Floor,
 }
 
-/// The column of an effect file.
+/// Description of a column for its effect file.
 pub(super) struct Written<'a> {
-    /// Name of the column as people read it.
+    /// Display name of the column.
     pub(super) shown: &'a str,
     /// Unit of its values.
     pub(super) unit: &'a str,
-    /// Its unit.
+    /// Dimension of the unit.
     pub(super) dimension: Dimension,
-    /// Values of calibration rows in that unit, rising.
+    /// Values of the calibration rows in that unit, ascending.
     pub(super) values: &'a [f64],
 }
 
 impl ColumnForm {
-    /// All of them; the first one is that by whose name a column is known.
+    /// All forms; a column's family bears the name of the first.
     pub(super) const ALL: [Self; 4] = [Self::Exponential, Self::Line, Self::Power, Self::Floor];
 
-    /// Name of the effect of this form, from that of the column's first form.
+    /// Name of the effect of this form, given that of the column's first form.
     pub(super) fn name(self, column: &str) -> String {
         match self {
             Self::Exponential => column.to_owned(),
@@ -57,7 +57,7 @@ impl ColumnForm {
         }
     }
 
-    /// The effect file of a column; `None` where its values cannot show the form.
+    /// Name and text of the effect file of a column; `None` where its values cannot show the form.
     pub(super) fn file(self, name: &str, column: &Written) -> Option<(String, String)> {
         let (least, greatest) = (*column.values.first()?, *column.values.last()?);
         let (width, middle) = (greatest - least, column.values[column.values.len() / 2]);
@@ -73,7 +73,7 @@ impl ColumnForm {
             return None;
         }
         let mut text = self.text().to_owned();
-        // A place whose name holds another one comes before it.
+        // A placeholder whose name contains another one comes before it.
         for (place, number) in [
             ("POWER_MOST", COLUMN_CHANGE_MOST / ratio.ln()),
             ("POWER_TYPICAL", COLUMN_CHANGE_TYPICAL / ratio.ln()),
@@ -96,7 +96,7 @@ impl ColumnForm {
         Some((format!("{name}.toml"), text.replace("NAME", name).replace("COLUMN", column.shown)))
     }
 
-    /// Sentence on an effect of this form of a column; `None` without a value of its size.
+    /// Sentence on a fitted effect of this form; `None` if it has no size.
     pub(super) fn words(self, effect: &EffectSummary, column: &str) -> Option<String> {
         let size = |name: &str| effect.parameters.get(name);
         let percent = |of: &ParameterSummary| (significant(100.0 * of.value), interval(of, 100.0, " %"));
@@ -127,13 +127,13 @@ impl ColumnForm {
     }
 }
 
-/// The interval of a value in words; nothing where there is none.
+/// Interval of a value in words; empty if there is none.
 fn interval(of: &ParameterSummary, scale: f64, unit: &str) -> String {
     let shown = |value: f64| significant(scale * value);
     of.interval.map_or(String::new(), |[low, high]| format!(" (95 % from {} to {}{unit})", shown(low), shown(high)))
 }
 
-/// One over a unit.
+/// Reciprocal of a unit.
 fn per(unit: &str) -> String {
     match unit {
         "1" => unit.to_owned(),

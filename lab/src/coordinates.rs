@@ -1,36 +1,36 @@
-//! The numbers that a fit varies: parameters on scales on which steps of about one are large.
+//! Coordinates of a fit: parameters scaled so that a step of about one is large.
 
 use effects::{CompiledModel, ParameterSlot, Scale};
 
 use crate::criteria::{BOUND_SHARE, LAW_RANGE_EXTENSION, RANGE_EXTENSION};
 
-/// A parameter as a fit varies it: the logarithm of its value, or its value over the width of its range.
+/// A parameter as a fit varies it: the logarithm of its value, or its value divided by the width of its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinate {
-    /// Place among the model's parameters.
+    /// Index among the model's parameters.
     pub index: usize,
     /// The parameter.
     pub slot: ParameterSlot,
 }
 
-/// On which bound a value lies.
+/// Bound on which a value lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bound {
-    /// The least value.
+    /// The lower bound.
     Least,
-    /// The greatest value.
+    /// The upper bound.
     Greatest,
 }
 
 impl Coordinate {
-    /// The free parameters of a model for which `takes` holds.
+    /// Coordinates of the free parameters of a model that `takes` accepts.
     pub fn of(model: &CompiledModel, takes: impl Fn(&ParameterSlot) -> bool) -> Vec<Self> {
         let slots = model.parameters().iter().cloned().enumerate();
         slots.filter(|(_, slot)| slot.free && takes(slot)).map(|(index, slot)| Self { index, slot }).collect()
     }
 
-    /// From a value [SI] to the coordinate.
+    /// Converts a value [SI] to the coordinate.
     pub fn from_value(&self, value: f64) -> f64 {
         match self.slot.scale {
             Scale::Log => value.ln(),
@@ -38,7 +38,7 @@ impl Coordinate {
         }
     }
 
-    /// From the coordinate to a value [SI].
+    /// Converts the coordinate to a value [SI].
     pub fn value(&self, at: f64) -> f64 {
         match self.slot.scale {
             Scale::Log => at.exp(),
@@ -46,18 +46,19 @@ impl Coordinate {
         }
     }
 
-    /// Least and greatest coordinate that the library lists.
+    /// Lower and upper end of the library's range [coordinate].
     pub fn listed(&self) -> [f64; 2] {
         self.slot.range.map(|value| self.from_value(value))
     }
 
-    /// Least and greatest coordinate that a fit may reach.
+    /// Lower and upper bound of a fit [coordinate].
     pub fn bounds(&self) -> [f64; 2] {
         self.reach().map(|value| self.from_value(value))
     }
 
-    /// Least and greatest value [SI] that a fit may reach. What the library lists is plausible, not all that there is: ratios
-    /// may be a factor beyond it, sizes as many times as far from their null. A range that a model states holds.
+    /// Lower and upper bound of a fit [SI]. The library's range is plausible and not exhaustive: a fit may exceed it by
+    /// a factor for ratios, and by a multiple of the distance from the null for sizes. A range that a model states is
+    /// kept.
     pub fn reach(&self) -> [f64; 2] {
         let ([least, greatest], slot) = (self.slot.range, &self.slot);
         let factor = if slot.is_law { LAW_RANGE_EXTENSION } else { RANGE_EXTENSION };
@@ -72,14 +73,14 @@ impl Coordinate {
         }
     }
 
-    /// The end of what the library lists that a coordinate lies beyond.
+    /// End of the library's range that a coordinate exceeds, if any.
     pub fn beyond_listed(&self, at: f64) -> Option<f64> {
         let [least, greatest] = self.listed();
         let near = BOUND_SHARE * (greatest - least);
         if at < least - near { Some(least) } else { Some(greatest).filter(|end| at > end + near) }
     }
 
-    /// The nearest coordinate within the bounds.
+    /// The coordinate clamped to the bounds.
     pub fn clamped(&self, at: f64) -> f64 {
         let [least, greatest] = self.bounds();
         at.clamp(least, greatest)
@@ -95,7 +96,7 @@ impl Coordinate {
         (at >= greatest - near).then_some(Bound::Greatest)
     }
 
-    /// First step of a finite difference.
+    /// Initial step of a finite difference.
     pub fn step(&self) -> f64 {
         match self.slot.scale {
             Scale::Log => 0.05,
@@ -108,7 +109,7 @@ impl Coordinate {
     }
 }
 
-/// A copy of a model with coordinates set.
+/// Copies a model with coordinates set.
 pub fn moved(model: &CompiledModel, coordinates: &[Coordinate], at: &[f64]) -> CompiledModel {
     let mut model = model.clone();
     for (coordinate, &at) in coordinates.iter().zip(at) {

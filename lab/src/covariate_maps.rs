@@ -1,4 +1,4 @@
-//! Covariates of a pass as maps on disk: one CSV for each, over the pixels of the trial's scan.
+//! Covariates of a pass as CSV maps over the pixels of the trial's scan.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,7 +11,7 @@ use sim::Covariates;
 /// Writes `passN_NAME_UNIT.csv` for each covariate: a row per y, a cell per x, empty where the tool never was.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write(folder: &Path, pass: usize, covariates: &Covariates, pixels: &PixelGrid) -> Result<(), FileError> {
     for (name, values, scale) in [
         ("pressure_time_mpa_s", &covariates.pressure_time, 1e-6),

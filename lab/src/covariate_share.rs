@@ -1,8 +1,8 @@
-//! On what the residual of a removal depends: each thing that the simulator knows of a place held against it.
+//! Dependence of removal residuals on covariates, which are quantities that the simulator knows at each place.
 //!
-//! The share that a spline of one covariate explains is that of the excess over noise. Its p-value comes from maps whose
-//! residuals are shifted around a torus, scan by scan, and whose scans change places: both keep what neighbours share
-//! (Fortin and Jacquez 2000).
+//! The share explained by a spline of one covariate refers to the excess variance over noise. Its p-value comes from a
+//! permutation test that shifts the residual maps around a torus, scan by scan, and exchanges scans; both preserve
+//! spatial correlation (Fortin and Jacquez 2000).
 
 use nalgebra::{Cholesky, DMatrix, DVector, QR};
 use rayon::prelude::*;
@@ -18,81 +18,81 @@ use random::Stream;
 /// Residuals of one scan, or of one table, with the covariates of their places.
 #[derive(Clone, Debug, Default)]
 pub struct CovariateField {
-    /// Places along x of the grid that the tiles are part of.
+    /// Grid size along x, of the grid that contains the tiles.
     pub nx: usize,
-    /// Place of each tile in it, x running fastest.
+    /// Cell of each tile in the grid, x running fastest.
     pub cells: Vec<usize>,
     /// Relative residual of each tile: (measured − simulated) / simulated.
     pub residuals: Vec<f64>,
-    /// Its standard deviation from noise.
+    /// Standard deviation of each residual from noise.
     pub sigmas: Vec<f64>,
-    /// Block of each tile: neighbours that may depend on each other.
+    /// Block number of each tile; tiles of a block are neighbours that may be correlated.
     pub blocks: Vec<usize>,
     /// Values of each covariate at each tile.
     pub values: Vec<Vec<f64>>,
 }
 
-/// Mean residual over a bin.
+/// Mean residual in a bin of the covariate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CovariateBin {
     /// Mean of the covariate [SI].
     pub covariate: f64,
     /// Mean of the relative residual.
     pub residual: f64,
-    /// Its 95 % band, from blocks drawn again.
+    /// 95 % band of the mean, from the block bootstrap.
     pub band: [f64; 2],
 }
 
-/// What one covariate explains.
+/// Share of the residual variance that one covariate explains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CovariateShare {
-    /// Place among the covariates.
+    /// Index among the covariates.
     pub covariate: usize,
-    /// Share of the excess variance that a spline of it explains.
+    /// Share of the excess variance that a spline of the covariate explains.
     pub share: f64,
-    /// What all covariates together explain less without it, in the same unit.
+    /// Fall of [`CovariateStudy::joint_share`] when this covariate is left out.
     pub drop: f64,
-    /// P-value of such a share where there is no dependence.
+    /// P-value of the share where residuals do not depend on the covariate.
     pub p_value: f64,
-    /// P-value that any of the covariates reaches such a share where none matters.
+    /// P-value that the largest share of any covariate reaches this one where none matters.
     pub p_value_of_all: f64,
-    /// Means over bins.
+    /// Binned means.
     pub bins: Vec<CovariateBin>,
 }
 
-/// What all covariates explain.
+/// Shares of the residual variance that the covariates explain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CovariateStudy {
-    /// Share of the excess variance that all of them explain together.
+    /// Share of the excess variance that all covariates explain together.
     pub joint_share: f64,
-    /// Those that vary, in their order.
+    /// Covariates that vary, in their order.
     pub covariates: Vec<CovariateShare>,
 }
 
-/// A covariate that varies.
+/// Spline basis of a covariate that varies.
 struct Smooth {
     covariate: usize,
-    /// Orthonormal columns of the constant and its spline, times the weights.
+    /// Orthonormal basis of the weighted constant and spline columns.
     space: DMatrix<f64>,
-    /// Columns of the spline, times the weights.
+    /// Weighted columns of the spline.
     columns: DMatrix<f64>,
 }
 
-/// All fields in one list.
+/// All fields concatenated.
 struct Pooled<'a> {
     fields: &'a [CovariateField],
     weights: DVector<f64>,
-    /// Residuals over their noise.
+    /// Residuals divided by their noise.
     residuals: DVector<f64>,
-    /// Direction of a constant residual.
+    /// Unit vector of a constant relative residual.
     constant: DVector<f64>,
-    /// Variance of relative residuals beyond noise.
+    /// Variance of relative residuals in excess of noise.
     excess: f64,
 }
 
-/// Holds covariates against residuals.
+/// Studies the dependence of residuals on covariates.
 ///
-/// - `noise`: variance of a residual over its sigma where the model is right: 1, or 0 where sigmas are not known
+/// - `noise`: variance of a residual over its sigma where the model is right: 1, or 0 where sigmas are unknown
 pub fn covariate_study(fields: &[CovariateField], noise: f64, seed: u64) -> CovariateStudy {
     let count = fields.first().map_or(0, |field| field.values.len());
     let pooled = Pooled::new(fields, noise);
@@ -161,7 +161,7 @@ impl<'a> Pooled<'a> {
         Some(Smooth { covariate, space: QR::new(columns.clone()).q(), columns })
     }
 
-    /// What is left beside a constant relative residual.
+    /// Weighted values without the part of a constant relative residual.
     fn about_mean(&self, values: &DVector<f64>) -> DVector<f64> {
         values - &self.constant * self.constant.dot(values)
     }
@@ -171,7 +171,7 @@ impl<'a> Pooled<'a> {
         smooth.space.tr_mul(&self.about_mean(residuals)).norm_squared()
     }
 
-    /// Sum of squares that the splines of several covariates explain together, with a ridge.
+    /// Sum of squares that the splines of several covariates explain together, in a ridge regression.
     fn ridge(&self, smooths: &[Smooth], among: &[usize]) -> f64 {
         let columns: Vec<_> = among.iter().flat_map(|&k| smooths[k].columns.column_iter()).collect();
         if columns.is_empty() {
@@ -186,8 +186,8 @@ impl<'a> Pooled<'a> {
         goal.norm_squared() - (&goal - matrix * found).norm_squared()
     }
 
-    /// The residuals with each scan's map shifted around the torus and the scans' means exchanged. What is shifted is the
-    /// relative residual over its own spread, from noise and beyond, so that deep and shallow places may change places.
+    /// Returns residuals with each scan's map shifted around the torus and the scans' means exchanged. The shifted
+    /// quantity is the relative residual over its own total spread, so that deep and shallow places may be exchanged.
     fn shifted(&self, stream: &mut Stream) -> DVector<f64> {
         let mut places: Vec<usize> = (0..self.fields.len()).collect();
         (1..places.len()).rev().for_each(|k| places.swap(k, stream.below(k + 1)));
@@ -245,7 +245,8 @@ impl<'a> Pooled<'a> {
     }
 }
 
-/// Members of each bin: one value each where there are few, else as many data each. In rising order of the covariate.
+/// Members of each bin, in ascending order of the covariate: one bin per value where there are few values, else equal
+/// counts.
 fn binned(values: &[f64]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -264,14 +265,14 @@ fn binned(values: &[f64]) -> Vec<Vec<usize>> {
 }
 
 impl CovariateField {
-    /// Mean residual, weighted with its noise.
+    /// Mean residual, weighted by noise.
     fn mean(&self) -> f64 {
         let sum =
             |of: &dyn Fn(usize) -> f64| (0..self.sigmas.len()).map(|k| of(k) / self.sigmas[k].powi(2)).sum::<f64>();
         sum(&|k| self.residuals[k]) / sum(&|_| 1.0).max(f64::MIN_POSITIVE)
     }
 
-    /// Values of the tiles shifted by a random way around the torus of the tiles' bounding box; where it has no tile,
+    /// Shifts tile values by a random displacement around the torus of the tiles' bounding box; where it has no tile,
     /// the next one along x is taken.
     fn shifted(&self, values: &[f64], stream: &mut Stream) -> Vec<f64> {
         let (column, row) = (|cell: usize| cell % self.nx, |cell: usize| cell / self.nx);
@@ -297,8 +298,7 @@ impl CovariateField {
     }
 }
 
-/// Values in a line, cut at random into pieces that change places: a plan that repeats would meet itself again when it
-/// is only shifted.
+/// Cuts a sequence at random into pieces and permutes them: a periodic plan that is only shifted would match itself.
 fn in_pieces(values: &[f64], stream: &mut Stream) -> Vec<f64> {
     let mut pieces: Vec<Vec<f64>> = vec![Vec::new()];
     for &value in values {

@@ -1,17 +1,17 @@
 //! Cross-validation: prediction of each fold of the calibration data from the others, without a fit for each fold.
 //!
-//! With whitened residuals `r`, derivatives `J` and prior precision `P`, a fit to all folds but `f` differs from the fit to
-//! all by `A_f⁻¹ J_fᵀ r_f`, where `A_f = JᵀJ + P − J_fᵀJ_f`. It predicts fold `f` with covariance
-//! `V = 1 + J_f A_f⁻¹ J_fᵀ` and misses it by `V r_f`, so that the log density of the fold is, but for a constant,
+//! With whitened residuals `r`, derivatives `J` and prior precision `P`, a fit to all folds but `f` differs from the
+//! fit to all by `A_f⁻¹ J_fᵀ r_f`, where `A_f = JᵀJ + P − J_fᵀJ_f`. It predicts fold `f` with covariance `V = 1 + J_f
+//! A_f⁻¹ J_fᵀ` and residual `V r_f`, so that the log density of the fold is, up to a constant,
 //!
 //! `−(r_fᵀ V r_f + ln |V|) / 2` with `|V| = |JᵀJ + P| / |A_f|`
 //!
 //! (Stone 1974; Geisser and Eddy 1979). A parameter that only the fold itself determines makes the prediction wide and
 //! not wrong.
 //!
-//! Every model has the closure beside it: a smooth relative change of the removal over the part and over each pass, whose
-//! strength is the one that predicts best. It stands for all that no effect describes: a model that lacks nothing has
-//! none of it, and an effect is worth only what the closure cannot do without it (Kennedy and O'Hagan 2001).
+//! Every model is fitted together with the closure: a smooth relative change of the removal over the part and over each
+//! pass, whose strength is the one that predicts best. It stands for any effect that the library lacks. A complete
+//! model needs none of it, and an effect counts only for what the closure cannot explain (Kennedy and O'Hagan 2001).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -21,47 +21,48 @@ use super::evidence::Evidence;
 use super::fit::{Fit, weights};
 use crate::criteria::{CLOSURE_STRENGTH_LEAST, CLOSURE_STRENGTH_RATIO, CLOSURE_STRENGTHS, INTERVAL_SIGMAS};
 
-/// Prediction of each fold from the others, by a model with the closure beside it.
+/// Cross-validated prediction by a model together with the closure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prediction {
-    /// Log density of each fold as the others predict it.
+    /// Log density of each fold given the others.
     pub densities: Vec<f64>,
-    /// Standard deviation of the closure, as a share of the removal; 0 where the model predicts best alone.
+    /// Standard deviation of the closure, as a share of the removal; 0 where the model alone predicts best.
     pub closure: f64,
     /// Part of the whitened residuals that the closure explains, one value per datum; empty where the closure is 0.
     pub closed: Vec<f64>,
 }
 
 impl Prediction {
-    /// Root mean square of what the closure explains, in the data's unit.
+    /// Root mean square of the part that the closure explains, in the data's unit.
     pub(super) fn closed_size(&self, evidence: &dyn Evidence) -> f64 {
         if self.closed.is_empty() { 0.0 } else { evidence.size(&self.closed) }
     }
 
-    /// Log density of all folds.
+    /// Sum of the log densities of all folds.
     pub fn total(&self) -> f64 {
         self.densities.iter().sum()
     }
 }
 
-/// Calibration data cut into folds, and the closure for them.
+/// Calibration data cut into folds, with their closure.
 pub(super) struct CrossValidation {
     folds: Vec<usize>,
-    /// Change of the whitened residuals per unit of each term of the closure, shape [data, columns].
+    /// Change of the whitened residuals per unit of each closure term, shape [data, columns].
     closure: DMatrix<f64>,
-    /// Standard deviation of whitened residuals that counts as noise.
+    /// Standard deviation of whitened residuals that is attributed to noise.
     spread: f64,
 }
 
 impl CrossValidation {
-    /// Of calibration data.
+    /// Cuts calibration data into folds.
     ///
-    /// - `best`: the fit that leaves least; what it leaves beside the closure counts as noise
+    /// - `best`: the fit of least χ²; its residuals beside the closure count as noise
     pub(super) fn new(evidence: &dyn Evidence, best: &Fit) -> Self {
         Self::in_folds(evidence, evidence.folds(), best)
     }
 
-    /// As [`Self::new`], each fold a whole pass where there are several: what holds in one pass alone predicts no other.
+    /// As [`Self::new`], with whole passes as folds where there are several: an effect that holds in one pass alone
+    /// predicts no other.
     pub(super) fn by_pass(evidence: &dyn Evidence, best: &Fit) -> Self {
         Self::in_folds(evidence, evidence.pass_folds(), best)
     }
@@ -76,7 +77,7 @@ impl CrossValidation {
         Self { spread: spread(&left), ..data }
     }
 
-    /// Prediction of each fold by a fit, with the closure's strength that predicts best.
+    /// Predicts each fold with a fit, at the closure strength that predicts best.
     pub(super) fn prediction(&self, fit: &Fit) -> Prediction {
         let none = DMatrix::zeros(self.folds.len(), 0);
         let alone = self.beside(fit, &none).densities(&DMatrix::zeros(0, 0), false).map(|(densities, _)| densities);
@@ -99,7 +100,7 @@ impl CrossValidation {
         best
     }
 
-    /// The products of all folds for a fit with more columns beside its own.
+    /// Products of all folds for a fit with additional columns.
     ///
     /// - `columns`: change of the whitened residuals per unit of each, shape [data, columns]
     pub(super) fn beside(&self, fit: &Fit, columns: &DMatrix<f64>) -> Beside {
@@ -114,7 +115,7 @@ impl CrossValidation {
     }
 }
 
-/// The products of all folds for a fit and columns beside it.
+/// Products of all folds for a fit and additional columns.
 pub(super) struct Beside {
     folds: Folds,
     /// Prior precision of the fit's own coordinates.
@@ -122,22 +123,22 @@ pub(super) struct Beside {
 }
 
 impl Beside {
-    /// Log density of each fold, and the step of the fit's coordinates and of the columns to their optimum; `None` where
-    /// the data do not fix them.
+    /// Log density of each fold, and the step of the fit's coordinates and of the columns to their optimum; `None`
+    /// where the data do not determine them.
     ///
     /// - `precision`: prior precision of the columns
-    /// - `is_open`: whether that step is still to be made; else the residuals are at the optimum
+    /// - `is_open`: true if that step is still to be made; else the residuals are at the optimum
     pub(super) fn densities(&self, precision: &DMatrix<f64>, is_open: bool) -> Option<(Vec<f64>, DVector<f64>)> {
         self.folds.densities(&self.prior(precision), is_open)
     }
 
-    /// Covariance of the fit's coordinates and of the columns, given the data; `None` as in [`Self::densities`].
+    /// Posterior covariance of the fit's coordinates and of the columns; `None` as in [`Self::densities`].
     pub(super) fn covariance(&self, precision: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let all = self.folds.0.iter().fold(self.prior(precision), |sum, Fold(square, ..)| sum + square);
         Some(Cholesky::new(all)?.inverse())
     }
 
-    /// The same with sums of the columns in their place, shape [columns, sums].
+    /// The same with linear combinations of the columns in their place, shape [columns, combinations].
     pub(super) fn summed(&self, sums: &DMatrix<f64>) -> Self {
         let own = self.own.len();
         let mut all = DMatrix::identity(own + sums.nrows(), own + sums.ncols());
@@ -155,10 +156,10 @@ impl Beside {
     }
 }
 
-/// A fold's products: slopes with themselves, slopes with residuals, and the residuals' sum of squares.
+/// Normal-equation products of a fold: JᵀJ, Jᵀr and rᵀr.
 struct Fold(DMatrix<f64>, DVector<f64>, f64);
 
-/// The products of all folds.
+/// Normal-equation products of all folds.
 struct Folds(Vec<Fold>);
 
 impl Folds {
@@ -172,10 +173,10 @@ impl Folds {
         Self((0..count).map(fold).collect())
     }
 
-    /// Log density of each fold, and the step of the parameters from where the residuals are to their optimum; `None`
-    /// where the data do not fix them.
+    /// Log density of each fold, and the step of the parameters from the residuals' place to the optimum; `None` where
+    /// the data do not determine them.
     ///
-    /// - `is_open`: whether that step is still to be made; else the residuals are at the optimum
+    /// - `is_open`: true if that step is still to be made; else the residuals are at the optimum
     fn densities(&self, prior: &DMatrix<f64>, is_open: bool) -> Option<(Vec<f64>, DVector<f64>)> {
         let all = self.0.iter().fold(prior.clone(), |sum, Fold(square, ..)| sum + square);
         let factor = Cholesky::new(all.clone())?;
@@ -197,7 +198,7 @@ fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
     2.0 * factor.l_dirty().diagonal().iter().map(|entry| entry.ln()).sum::<f64>()
 }
 
-/// Prior precision of coordinates: what the library lists holds 95 % of what is met.
+/// Prior precision of coordinates: the library's range is a 95 % interval.
 pub(super) fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
     let precision = |coordinate: &Coordinate| {
         let [least, greatest] = coordinate.listed();

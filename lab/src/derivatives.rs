@@ -1,5 +1,5 @@
-//! Derivatives of whitened residuals from simulations that are a little uneven: long enough steps, and what earlier steps
-//! have shown.
+//! Derivatives of whitened residuals from simulations with numerical noise: long finite differences, and updates from
+//! earlier steps.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -12,18 +12,18 @@ use crate::criteria::{
     DERIVATIVE_LONGEST_STEP,
 };
 
-/// Factor on a step's length from which the lowest place on its line is tried, too: at two thirds of the best length a step
-/// gains eight ninths of what it could.
+/// Factor on a step's length from which the minimum along its line is also tried: a step of two thirds of the best
+/// length achieves eight ninths of the possible fall.
 const ABOUT_AS_FAR: f64 = 1.5;
 
-/// Factor on a way that makes it as long as derivatives are taken over at most.
+/// Factor that scales a step to the longest finite difference.
 fn longest_factor(way: &[f64]) -> f64 {
     DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()))
 }
 
 impl Fit {
-    /// Broyden's update: the derivatives along the way to a place that was tried are those that were seen. A way that changes
-    /// the data by no more than the simulation's own unevenness is ignored.
+    /// Broyden's update: makes the derivatives along the step to a tried place agree with the observed change. A step
+    /// that changes the data by no more than the simulation's numerical noise is ignored.
     pub(super) fn update_jacobian(&mut self, tried: &Place) {
         let difference = |b: &[f64], a: &[f64]| DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a));
         let way = difference(&tried.at, &self.at);
@@ -35,8 +35,8 @@ impl Fit {
         self.jacobian += missing * way.transpose();
     }
 
-    /// Where the sum of squares is lowest on the straight line from here through a place that was tried, by the residuals at
-    /// both, and not farther than derivatives are soundly taken over; `None` where that is about as far.
+    /// Minimum of χ² on the line from here through a tried place, estimated from the residuals at both and limited to
+    /// the longest finite difference; `None` where it is about as far as the tried place.
     pub(super) fn along_line(&self, tried: &Place) -> Option<Vec<f64>> {
         let weights = weights(&self.residuals);
         let weighted = |residuals: &[f64]| DVector::from_column_slice(residuals).component_mul(&weights);
@@ -50,13 +50,13 @@ impl Fit {
         is_elsewhere.then(|| self.along(&way, lowest))
     }
 
-    /// Coordinates a factor of a way from here, kept within the bounds.
+    /// Coordinates at a multiple of a step from here, clamped to the bounds.
     fn along(&self, way: &[f64], factor: f64) -> Vec<f64> {
         let moved = self.at.iter().zip(way).map(|(at, way)| at + factor * way);
         moved.zip(&self.coordinates).map(|(at, coordinate)| coordinate.clamped(at)).collect()
     }
 
-    /// Takes derivatives that are known from elsewhere as a start; the others are made here.
+    /// Takes known derivatives as a start; the missing ones are computed by finite differences.
     pub fn borrow_derivatives(&mut self, evidence: &dyn Evidence, lent: impl Fn(&Coordinate) -> Option<DVector<f64>>) {
         let columns: Vec<Option<DVector<f64>>> = self.coordinates.iter().map(lent).collect();
         let missing: Vec<usize> = (0..columns.len()).filter(|&k| columns[k].is_none()).collect();
@@ -66,10 +66,10 @@ impl Fit {
         self.differentiate(evidence, &missing);
     }
 
-    /// Renews all derivatives: along the coordinates where none is known yet, else along the principal directions of what
-    /// is known, from one side to the other, each as far as it takes to change the data soundly. So the soft directions of a
-    /// valley are as well known as the stiff ones (multisecant update; Eyert 1996), and one that bends looks no stiffer
-    /// than it is.
+    /// Recomputes all derivatives: along the coordinates where none is known yet, else by central differences along the
+    /// principal directions of the known ones, with steps long enough to exceed the numerical noise. So weakly
+    /// determined directions are known as well as strongly determined ones (multisecant update; Eyert 1996), and a
+    /// curved valley does not look steeper than it is.
     pub(super) fn renew_derivatives(&mut self, evidence: &dyn Evidence) {
         if self.jacobian.column_iter().any(|column| column.amax() == 0.0) {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
@@ -92,9 +92,9 @@ impl Fit {
         }
     }
 
-    /// Places on both sides along a way, and the simulations that they took; farther off where they differ by less than
-    /// soundly: derivatives that are too large make ways too short, on which the simulation's unevenness would keep them
-    /// large.
+    /// Places on both sides along a step, and the number of simulations. The step is lengthened where the two differ by
+    /// less than the required change: overestimated derivatives make steps too short, and numerical noise would then
+    /// keep them large.
     fn sound_ends(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
         let near = self.ends(evidence, way);
         let change = near[0].distance(&near[1]);
@@ -106,12 +106,12 @@ impl Fit {
         (self.ends(evidence, &farther), 4)
     }
 
-    /// Places at a way and its opposite; here instead of one that cannot be simulated.
+    /// Places at a step and its opposite; this place instead of one that cannot be simulated.
     fn ends(&self, evidence: &dyn Evidence, way: &[f64]) -> [Place; 2] {
         [-1.0, 1.0].map(|side| self.place(evidence, self.along(way, side)).unwrap_or_else(|| self.here()))
     }
 
-    /// Half of a sound way along each principal direction.
+    /// Half of a central-difference step along each principal direction.
     fn principal_steps(&self) -> Vec<Vec<f64>> {
         let directions = self.jacobian.tr_mul(&self.jacobian).symmetric_eigen();
         let way = |k: usize| -> Vec<f64> {
@@ -123,7 +123,7 @@ impl Fit {
         (0..self.at.len()).map(way).collect()
     }
 
-    /// Renews the derivatives along some coordinates.
+    /// Recomputes the derivatives along some coordinates.
     pub(super) fn differentiate(&mut self, evidence: &dyn Evidence, along: &[usize]) {
         let columns: Vec<(Vec<f64>, usize)> = along.par_iter().map(|&k| self.derivative(evidence, k)).collect();
         for (&k, (column, runs)) in along.iter().zip(columns) {
@@ -132,8 +132,8 @@ impl Fit {
         }
     }
 
-    /// Derivative of the residuals along a coordinate, over a way that changes them by more than the simulation's own
-    /// unevenness; zero where no way does.
+    /// Derivative of the residuals along a coordinate, over a step that changes them by more than the simulation's
+    /// numerical noise, and the number of simulations; zero where no step does.
     fn derivative(&self, evidence: &dyn Evidence, k: usize) -> (Vec<f64>, usize) {
         let (coordinate, here) = (&self.coordinates[k], self.at[k]);
         let mut step = coordinate.step();

@@ -1,4 +1,4 @@
-//! How large an effect must be to show in these data.
+//! Detectable size of each effect in these data.
 
 use effects::Scale;
 use rayon::prelude::*;
@@ -9,38 +9,38 @@ use super::response::{Look, Response};
 use super::screen::Screened;
 use crate::criteria::DETECTABLE_SIGMAS;
 
-/// On which sides of its null an effect of the detectable size would be seen.
+/// Sides of the null on which an effect of the detectable size is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sides {
-    /// On both, or on the only one that its range has.
+    /// Both sides, or the only one within the range.
     All,
-    /// Above it; below its range ends before.
+    /// Above the null only; the range below ends too early.
     Above,
-    /// Below it; above its range ends before.
+    /// Below the null only; the range above ends too early.
     Below,
 }
 
-/// What would be seen of one parameter of an effect.
+/// Detectable size of one parameter of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
-    /// The effect.
+    /// Name of the effect.
     pub effect: String,
-    /// Its parameter.
+    /// Name of the parameter.
     pub parameter: String,
     /// Unit of the size.
     pub unit: String,
-    /// Least size that would be seen on either side of the null, where the effect's other parameters are as in the library; for
-    /// a parameter whose effect vanishes at infinity, the greatest value.
+    /// Least size that is detectable on either side of the null, with the effect's other parameters at the library's
+    /// values; for a parameter whose effect vanishes at infinity, the greatest value.
     pub size: Option<f64>,
-    /// Where it holds.
+    /// Sides on which the size holds.
     pub sides: Sides,
-    /// Whether that is a plausible size: else these data cannot test the effect.
+    /// True if the size is plausible; else these data cannot test the effect.
     pub testable: bool,
 }
 
-/// The detectable size of each parameter that an effect vanishes with, base parameters following it as far as they can: what is
-/// left must stand out of the noise, and be large enough to be named.
+/// Detectable size of each parameter at whose null the effect vanishes. The base parameters follow the effect as far as
+/// they can; the rest must exceed the noise and be large enough to be named.
 ///
 /// - `spread`: standard deviation of the whitened residuals
 /// - `least_size`: root mean square of what an effect must explain, in the data's unit
@@ -50,7 +50,7 @@ pub fn detectable(look: &Look, screened: &Screened, (spread, least_size): (f64, 
     groups.into_par_iter().filter_map(|group| sight.of(group)).collect()
 }
 
-/// What it takes to see an effect.
+/// Conditions under which an effect is detectable.
 struct Sight<'a> {
     look: &'a Look<'a>,
     screened: &'a Screened,
@@ -59,7 +59,7 @@ struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// From the probes of one amplitude.
+    /// Detectable size from the probes of one amplitude.
     fn of(&self, group: &[Response]) -> Option<Detectable> {
         let k = group[0].probe.amplitude;
         let slot = &self.screened.candidate.coordinates[k].slot;
@@ -88,7 +88,7 @@ impl Sight<'_> {
         })
     }
 
-    /// The other side of the null, where the range has one.
+    /// The probe mirrored at the null, where the range has another side.
     fn mirror(&self, response: &Response) -> Option<Probe> {
         let (k, mut values) = (response.probe.amplitude, response.probe.values.clone());
         let slot = &self.screened.candidate.coordinates[k].slot;
@@ -100,7 +100,7 @@ impl Sight<'_> {
         Some(Probe { values, amplitude: k })
     }
 
-    /// The least size that shows on the side of a probe, if the range goes so far.
+    /// Least detectable size on the side of a probe; `None` if it is outside the range.
     fn size(&self, response: &Response) -> Option<f64> {
         let k = response.probe.amplitude;
         let slot = &self.screened.candidate.coordinates[k].slot;

@@ -1,5 +1,5 @@
-//! What a model lacks: every effect of the library tried beside the base parameters, the best fitted, chance and
-//! look-alikes weighed, and one verdict.
+//! Diagnosis of missing effects: every effect of the library is tried beside the base parameters, the best are fitted,
+//! significance and indistinguishable effects are weighed, and one verdict is given.
 
 use std::collections::BTreeMap;
 
@@ -19,31 +19,31 @@ use super::verdict::{SearchEnd, Searched, Verdict, misses};
 use crate::criteria::{MOST_EFFECTS, NAMED_PROBABILITY, SPREAD_CUT_SIGMAS};
 use trials::measure::{MAD_TO_SIGMA, median};
 
-/// Why an effect was not weighed of which no simulation ended.
+/// Reason for an effect that was not weighed because none of its simulations completed.
 const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
 
-/// A diagnosis.
+/// Result of a diagnosis.
 pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
-    /// The searches, each with the effect of the one before.
+    /// The searches; each starts from the model with the effect of the one before.
     pub rounds: Vec<Round>,
-    /// The model with all effects that were found.
+    /// The model with all effects found.
     pub model: Model,
-    /// Its fit.
+    /// Fit of that model.
     pub fit: Fit,
-    /// What each effect must be to be seen.
+    /// Detectable size of each effect.
     pub detectable: Vec<Detectable>,
-    /// Effects that these data are blind to, and why.
+    /// Effects that these data cannot show, with the reason.
     pub blind: BTreeMap<String, String>,
-    /// Where the logs lie beside the final model; `None` where none were moved.
+    /// Frame offset of the logs beside the final model; `None` where no logs were moved.
     pub frame: Option<FrameEstimate>,
 }
 
-/// Tells how far the work is: what is done, and of how many parts.
+/// Progress callback: finished part, its number, and the number of parts.
 pub type OnProgress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 
-/// A model with the values of a fit.
+/// Returns a model with the values of a fit.
 pub fn with_values(model: &Model, fit: &Fit) -> Model {
     let mut values: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
     for (slot, value) in fit.model.parameters().iter().zip(fit.model.values()) {
@@ -56,7 +56,7 @@ pub fn with_values(model: &Model, fit: &Fit) -> Model {
     model
 }
 
-/// Standard deviation of whitened residuals, gross outliers cut; at least one.
+/// Robust standard deviation of whitened residuals, without gross outliers; at least one.
 pub(super) fn spread(residuals: &[f64]) -> f64 {
     let middle = median(residuals.iter().map(|r| r.abs()).collect()).unwrap_or(0.0);
     let most = SPREAD_CUT_SIGMAS * (MAD_TO_SIGMA * middle).max(1.0);
@@ -64,7 +64,7 @@ pub(super) fn spread(residuals: &[f64]) -> f64 {
     (squares / residuals.len().max(1) as f64).sqrt().max(1.0)
 }
 
-/// Searches, and what they led to.
+/// Searches and their result.
 struct Search {
     rounds: Vec<Round>,
     model: Model,
@@ -73,7 +73,7 @@ struct Search {
 }
 
 impl Search {
-    /// Effects one after the other, each the best beside those before it.
+    /// Searches for effects one after the other, each the best beside those before it.
     fn one_by_one(
         evidence: &dyn Evidence,
         (model, base): (&Model, &Fit),
@@ -103,7 +103,7 @@ impl Search {
         Ok(Self { rounds, model: grown, fit, end })
     }
 
-    /// Two effects that were found together, or the first of them where only one search is asked for.
+    /// Result of two effects that were found together, or of the first alone where only one search is allowed.
     fn of_pair(rounds: [Round; 2], model: &Model, searches: usize) -> Self {
         let end = if searches < 2 { SearchEnd::CutShort } else { SearchEnd::Exhausted };
         let rounds: Vec<Round> = rounds.into_iter().take(searches).collect();
@@ -113,7 +113,7 @@ impl Search {
         Self { model: with_values(&grown, &fit), rounds, fit, end }
     }
 
-    /// Opens the held-out data for the models that the search has chosen, and judges them.
+    /// Opens the held-out data for the models that the search has chosen, and returns the verdict.
     fn judged(&mut self, evidence: &dyn Evidence, detectable: &[Detectable]) -> Result<Verdict, EvidenceError> {
         for round in &mut self.rounds {
             round.open_held_out(evidence)?;
@@ -130,10 +130,10 @@ impl Search {
 }
 
 impl Diagnosis {
-    /// Fits a model to the calibration data and searches for what it lacks.
+    /// Fits a model to the calibration data and searches for missing effects.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn new(
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
@@ -143,10 +143,10 @@ impl Diagnosis {
         Self::within(evidence, (model, base), library, (seed, told), MOST_EFFECTS)
     }
 
-    /// As [`Diagnosis::new`], with at most so many searches.
+    /// As [`Diagnosis::new`], with a limited number of searches.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn within(
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
@@ -176,25 +176,25 @@ impl Diagnosis {
         Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind, frame })
     }
 
-    /// The effects that were found, in order; none where they are no account of what is missing.
+    /// The effects found, in order; none if the model with them is not an adequate fit.
     pub fn found(&self) -> Vec<&Finding> {
         let rounds = if self.verdict == Verdict::Unknown { &[][..] } else { &self.rounds[..] };
         rounds.iter().filter_map(Round::nameable).collect()
     }
 
-    /// The effect that shows but is too small to be named, and the size from which it would be.
+    /// The effect that is significant but too small to be named, and the size from which it would be named.
     pub fn hint(&self) -> Option<(&Finding, f64)> {
         let round = self.rounds.first().filter(|_| self.verdict == Verdict::Hint)?;
         Some((round.hint()?, round.least_size()))
     }
 
-    /// Whether nothing was found although the model misses the held-out data.
+    /// True if nothing was found although the model misses the held-out data.
     pub fn misses_held_out(&self) -> bool {
         self.found().is_empty() && misses(&self.rounds[0].evaluation)
     }
 }
 
-/// What each effect must be to be seen beside the first model.
+/// Detectable size of each effect beside the model of a search.
 fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, round.least_size());
     let projector = Projector::new(&round.base);
@@ -206,7 +206,7 @@ fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     first.flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
 }
 
-/// Effects that were not weighed, and why.
+/// Effects that were not weighed, with the reason.
 fn blind(evidence: &dyn Evidence, library: &Library, rounds: &[Round]) -> BTreeMap<String, String> {
     let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
     let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());

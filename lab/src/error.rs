@@ -11,31 +11,31 @@ use crate::evidence::EvidenceError;
 /// The result of work in the laboratory.
 pub type Result<T, E = LabError> = std::result::Result<T, E>;
 
-/// The reason why the laboratory has no answer.
+/// Reason for which the laboratory has no result.
 #[derive(Debug, Error)]
 pub enum LabError {
-    /// A model that the library does not know.
+    /// The library does not know a model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A model that cannot be compiled.
+    /// A model cannot be compiled.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// A model that cannot be simulated, or data without use.
+    /// A model cannot be simulated, or the data cannot be used.
     #[error(transparent)]
     Evidence(#[from] EvidenceError),
-    /// A fault in a campaign or a table.
+    /// A campaign or a table is faulty.
     #[error(transparent)]
     Trial(#[from] TrialError),
-    /// A file that cannot be read or written.
+    /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// An answer that cannot be written as JSON.
+    /// A result cannot be written as JSON.
     #[error("the answer cannot be written as JSON")]
     Json(#[from] serde_json::Error),
-    /// A folder that cannot be listed.
+    /// A folder cannot be listed.
     #[error(transparent)]
     Folder(#[from] walkdir::Error),
-    /// A request that the data or the model do not allow.
+    /// The data or the model do not allow a request.
     #[error("{0}")]
     Refused(String),
 }

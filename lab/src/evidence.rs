@@ -1,4 +1,4 @@
-//! What a model is held against, whatever the data are.
+//! Interface of the data that a model is compared with: scans or rows.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, RunError};
 use nalgebra::DMatrix;
@@ -13,43 +13,43 @@ use super::totals::Totals;
 use super::unlisted::Basis;
 use trial_simulation::CampaignError;
 
-/// Which data.
+/// Calibration or held-out data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// Data that fits may see.
+    /// Calibration data: fits use them.
     Calibration,
-    /// Data kept apart: no fit sees them, and what a fit found must hold on them.
+    /// Held-out data: no fit uses them, and effects found must hold on them.
     Evaluation,
 }
 
-/// Why data cannot be compared with a model.
+/// Reason for which data cannot be compared with a model.
 #[derive(Debug, Error)]
 pub enum EvidenceError {
     /// The model cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] CampaignError),
-    /// A formula of the scanner.
+    /// A formula of the scanner failed.
     #[error("a simulated scan: {0}")]
     Scan(#[from] RunError),
-    /// There is nothing to compare with.
+    /// There are no data to compare with.
     #[error("{0}")]
     NoData(String),
 }
 
-/// In what the errors of data are told.
+/// Unit of the errors of data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ErrorUnit {
     /// Micrometres.
     #[default]
     #[serde(rename = "um")]
     Micrometre,
-    /// Hundredths of what was removed.
+    /// Percent of the removal.
     #[serde(rename = "percent")]
     Percent,
 }
 
 impl ErrorUnit {
-    /// Its size in the data's own unit, turned upside down.
+    /// Factor from SI, or from a ratio, to the display unit (1e6 for µm).
     pub fn per_one(self) -> f64 {
         match self {
             Self::Micrometre => 1e6,
@@ -57,7 +57,7 @@ impl ErrorUnit {
         }
     }
 
-    /// For people.
+    /// Symbol for display.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Micrometre => "µm",
@@ -66,147 +66,147 @@ impl ErrorUnit {
     }
 }
 
-/// How well a model describes one scan, or one table.
+/// Agreement of a model with one scan or one table.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Agreement {
-    /// Which data, for people.
+    /// Display name of the data.
     pub about: String,
-    /// Root mean square of measured minus simulated over what the tool may have touched: heights [m], distances of the
-    /// border of what is exposed [m], or logarithms of removal [1].
+    /// Root mean square of measured minus simulated over the region that the tool may have touched: heights [m],
+    /// distances of the exposed border [m], or logarithms of removal [1].
     pub rms: f64,
-    /// What the instrument tells apart: its noise, or half a pixel where it shows no more than which side of a border each is on.
+    /// Resolution of the instrument: its noise, or half a pixel for a mask, which only shows the side of a border on
+    /// which each pixel lies.
     pub floor: f64,
-    /// What random errors alone leave of a perfect model.
+    /// Residual of a perfect model from random errors alone.
     pub noise: f64,
-    /// Mean of what was removed, in the same unit; what small errors are small against.
+    /// Mean removal, in the same unit: the reference for relative errors.
     pub scale: f64,
-    /// Smooth error that the simulation itself may have, in the same unit.
+    /// Smooth error of the simulation itself, in the same unit.
     #[serde(default)]
     pub smooth_error: f64,
 }
 
-/// Data of a campaign, which can be predicted with a model again and again.
+/// Data of a campaign that a model can predict repeatedly.
 pub trait Evidence: Sync {
-    /// What the tool does.
+    /// The process: grinding or sanding.
     fn process(&self) -> Process;
 
-    /// Rows that a model needs which has a parameter for each pass or scan.
+    /// Number of rows for models with a parameter per pass or scan.
     fn rows(&self) -> RowCounts;
 
     /// Measured minus predicted, whitened: independent with variance one where the model is right.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
 
-    /// The same data, predicted quicker and nearly as well; `None` where there is no quicker way.
+    /// The same data with a faster, approximate prediction; `None` if there is none.
     fn quicker(&self) -> Option<Box<dyn Totals + '_>> {
         None
     }
 
-    /// How well a model describes each scan of a split.
+    /// Agreement of a model with each scan of a split.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError>;
 
-    /// In what errors are told.
+    /// Unit of the errors.
     fn unit(&self) -> ErrorUnit {
         ErrorUnit::Micrometre
     }
 
-    /// A model with the bounds and reference values that these data need for its effects.
+    /// Returns a model with the bounds and reference values that these data need for its effects.
     fn adapted(&self, model: Model, _library: &Library) -> Model {
         model
     }
 
-    /// The parameters of a model that a fit to these data varies.
+    /// Coordinates of the parameters that a fit to these data varies.
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
         Coordinate::of(model, |_| true)
     }
 
-    /// Root mean square of the change of the calibration data, in the unit of [`Agreement::rms`], behind a change of the whitened
-    /// residuals; measurement degrees of freedom take up what they can.
+    /// Root mean square change of the calibration data, in the unit of [`Agreement::rms`], that corresponds to a change
+    /// of the whitened residuals; nuisance degrees of freedom absorb what they can.
     fn size(&self, change: &[f64]) -> f64;
 
-    /// How the removal changes from a pass to an equal one after it, and what a law can make of that; `None` where there
-    /// are no equal passes.
+    /// Measured change of the removal between equal successive passes, and the changes that a law can produce; `None`
+    /// without equal passes.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn trend(&self, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError>;
 
-    /// Why an effect cannot show in these data, if so.
+    /// Reason for which an effect cannot show in these data, if any.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;
 
-    /// Conditions among the calibration data that a model tells apart, less what measurement leaves free: a model with as
-    /// many parameters fits whatever was measured.
+    /// Number of conditions among the calibration data that a model distinguishes, less the nuisance degrees of
+    /// freedom: a model with as many parameters fits any measurement.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn conditions(&self, _model: &CompiledModel) -> Result<usize, EvidenceError> {
         Ok(usize::MAX)
     }
 
-    /// Name of the family of an effect: forms of one dependence have one, by the name of its first form. Only one form of a
-    /// family is part of a model.
+    /// Name of the family of an effect. Forms of one dependence are a family, named after its first form. A model holds
+    /// at most one form of a family.
     fn family(&self, effect: &str) -> String {
         effect.to_owned()
     }
 
-    /// What an effect that was found says of these data, where its name does not; one sentence.
+    /// Sentence on an effect that was found, where its name does not describe it.
     fn words(&self, _effect: &EffectSummary) -> Option<String> {
         None
     }
 
-    /// For each residual the number of its block: neighbours that may still depend on each other.
+    /// Block number of each residual; residuals of a block are neighbours that may be correlated.
     fn blocks(&self, split: Split) -> Vec<usize>;
 
-    /// For each residual of the calibration data the number of its fold: what a model must predict from all the others.
+    /// Fold number of each calibration residual; a model must predict each fold from the others.
     fn folds(&self) -> Vec<usize> {
         self.blocks(Split::Calibration)
     }
 
-    /// As [`Self::folds`], each fold a whole pass where there are several.
+    /// As [`Self::folds`], with whole passes as folds where there are several.
     fn pass_folds(&self) -> Vec<usize> {
         self.folds()
     }
 
-    /// Change of the calibration residuals per unit of each term of the closure, shape [data, columns]. A table has no
+    /// Change of the calibration residuals per unit of each closure term, shape [data, columns]. A table has no
     /// closure: each of its columns has an effect.
     fn closure(&self) -> DMatrix<f64> {
         DMatrix::zeros(self.folds().len(), 0)
     }
 
-    /// Change of the calibration residuals by each term of the smooth error that the simulation of a model itself may have, by
-    /// one standard deviation, shape [data, terms]. A table is not simulated.
+    /// Change of the calibration residuals per standard deviation of each term of the simulation's smooth error, shape
+    /// [data, terms]; no terms for a table, which is not simulated.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn smooth_errors(&self, _model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
         Ok(DMatrix::zeros(self.folds().len(), 0))
     }
 
-    /// Linear response of the calibration data to changes over each variable, at a fitted model; none where the evidence has no
-    /// such variables.
+    /// Linear response of the calibration data to changes over each variable, at a fitted model; empty if the evidence
+    /// has no such variables.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn bases(&self, _model: (&Model, &Fit), _library: &Library) -> Result<Vec<Basis>, EvidenceError> {
         Ok(Vec::new())
     }
 
-    /// Where the logs lie in the frame of the scans beside a fitted model; `None` where the evidence has no logs, or none that
-    /// were moved.
+    /// Frame offset of the logs beside a fitted model; `None` if the evidence has no logs, or none that were moved.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn frame(&self, _fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
         Ok(None)
     }
 
-    /// What the error of the simulation's lattice adds to the residuals of the calibration data before it is taken out of
-    /// them as a degree of freedom; nothing where it is not known.
+    /// Contribution of the lattice error to the calibration residuals before it is absorbed as a degree of freedom;
+    /// empty if it is unknown.
     fn lattice_field(&self) -> Vec<f64> {
         Vec::new()
     }

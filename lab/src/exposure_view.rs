@@ -1,4 +1,4 @@
-//! One exposure mask as data: how far each tile is from the border of what is exposed.
+//! One exposure mask as data: the distance of each tile from the border of the exposed region.
 
 use std::collections::BTreeMap;
 
@@ -14,17 +14,17 @@ use crate::criteria::{
 use trials::measure::median;
 use trials::trial::ExposureMask;
 
-/// Standard deviation of a normal variable over its mean size.
+/// Ratio of the standard deviation of a normal variable to its mean absolute value.
 const MEAN_TO_SIGMA: f64 = 1.2533;
 
-/// A mask as data.
+/// An exposure mask as data.
 #[derive(Clone, Debug)]
 pub struct ExposureView {
     /// The mask.
     pub measured: ExposureMask,
     /// Tiles that the tool may have touched.
     pub tiles: Tiles,
-    /// Standard deviation of the border's place as single pixels show it [m].
+    /// Standard deviation of the border's position at single pixels [m].
     pub scatter: f64,
     odd: usize,
     distances: Vec<f64>,
@@ -33,12 +33,12 @@ pub struct ExposureView {
 }
 
 impl ExposureView {
-    /// Makes data of a mask.
+    /// Converts a mask to data.
     ///
-    /// - `free`: for each pixel, whether no tool came near it before this mask
-    /// - `reach`: distance from the border beyond which a tile only says on which side it is [m]
+    /// - `free`: for each pixel, true if no tool came near it before this mask
+    /// - `reach`: distance from the border beyond which a tile only shows on which side it is [m]
     ///
-    /// `None` where no tile was touched.
+    /// Returns `None` if no tile was touched.
     pub fn new(measured: ExposureMask, free: &[bool], side: usize, reach: f64) -> Option<Self> {
         let pixels = measured.pixels;
         let tiles = TileGrid { pixels, side }.tiles(|at| measured.exposed[at].is_some() && !free[at]);
@@ -62,7 +62,7 @@ impl ExposureView {
 
     /// Measured minus simulated distance of each tile from the border, whitened.
     ///
-    /// - `margin`: simulated dose beyond the one from which substrate shows, one per pixel
+    /// - `margin`: simulated dose minus the exposure threshold, one per pixel
     pub fn whitened(&self, margin: &[f64]) -> Vec<f64> {
         let simulated = seen(&self.tiles, margin, &Border::new(margin, self.measured.pixels), self.reach);
         let difference: Vec<f64> =
@@ -70,33 +70,34 @@ impl ExposureView {
         self.whitener.whiten(&difference)
     }
 
-    /// The change of the tiles' distances [m] behind a change of the whitened ones; the shift takes up what it can.
+    /// Change of the tiles' distances [m] for a change of the whitened ones; the lateral shift absorbs what it can.
     pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         self.whitener.unwhiten(change)
     }
 
-    /// Whitener of the tiles' distances: the noise of the border, and the part's shift between scans.
+    /// Whitener of the tiles' distances: noise of the border, and shift of the part between scans.
     pub(super) fn whitener(&self) -> &Whitener {
         &self.whitener
     }
 
-    /// Shift of the border within which each tile still locates it [m]; 0 for tiles out of reach.
+    /// Range of border shifts that each tile resolves [m]; 0 for tiles out of reach.
     pub(super) fn reached(&self) -> Vec<f64> {
         self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
     }
 
-    /// Least distance [m] that pixels of this pitch resolve: the border's scatter, but at least half a pixel, because a
-    /// pixel does not locate the border more closely.
+    /// Least distance [m] that pixels of this pitch resolve: the scatter of the border, but at least half a pixel.
     pub fn border_floor(&self) -> f64 {
         self.scatter.max(BORDER_FLOOR_LEAST * self.measured.pixels.pitch)
     }
 
-    /// What a perfect model would leave of [`Self::border_distance`] [m]: pixels near the border that differ from most around them.
+    /// [`Self::border_distance`] of a perfect model [m], from pixels near the border that differ from most of their
+    /// neighbours.
     pub fn border_noise(&self) -> f64 {
         self.odd as f64 / self.border_length() * self.measured.pixels.pitch
     }
 
-    /// Way across the border on which a simulated dose changes by as much as shows the substrate [m], in the middle of all places.
+    /// Distance across the border over which the simulated dose changes by the exposure threshold [m]; median over the
+    /// border.
     ///
     /// - `margin`: as in [`Self::whitened`]
     pub fn border_width(&self, margin: &[f64]) -> f64 {
@@ -114,15 +115,15 @@ impl ExposureView {
         median((0..pixels.len()).filter_map(width).collect()).unwrap_or(0.0)
     }
 
-    /// Mean distance between the measured and the simulated border [m]: the area on which they disagree over the
-    /// border's length.
+    /// Mean distance between the measured and the simulated border [m]: the area of disagreement over the border's
+    /// length.
     pub fn border_distance(&self, margin: &[f64]) -> f64 {
         let wrong = |&(_, at): &(usize, usize)| self.measured.exposed[at] != Some(margin[at] >= 0.0);
         let disagree = self.tiles.pixels().filter(wrong).count() as f64;
         disagree / self.border_length() * self.measured.pixels.pitch
     }
 
-    /// Standard deviation of the area on which substrate shows [m²]: the border's pixels err independently.
+    /// Standard deviation of the exposed area [m²], with independent errors of the border's pixels.
     pub fn area_sigma(&self) -> f64 {
         self.border_floor() * self.measured.pixels.pitch * self.border_length().sqrt()
     }
@@ -134,14 +135,14 @@ impl ExposureView {
     }
 }
 
-/// All tiles seen from a border of a field.
+/// Locates all tiles relative to the border of a field.
 fn seen(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<Seen> {
     let above = tiles.means(|at| f64::from(u8::from(field[at] > 0.0)));
     tiles.centres.iter().zip(above).map(|(centre, above)| border.seen_from(*centre, above > 0.5, reach)).collect()
 }
 
-/// Number of tiles that locate the same stretch of the border, as long as a tile, for each tile; for tiles out of
-/// reach, the number across a straight border.
+/// For each tile, the number of tiles that locate the same border segment, one tile side long; for tiles out of reach,
+/// the number across a straight border.
 fn sharing(seen: &[Seen], side: f64, reach: f64) -> Vec<f64> {
     let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
     let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();

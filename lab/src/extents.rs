@@ -1,5 +1,5 @@
-//! Least and greatest values that variables and states have in data, from one simulation that adds them up where something is
-//! removed.
+//! Least and greatest values of variables and states in the data, from one simulation that sums them up, weighted with
+//! the removal.
 
 use effects::{CompiledModel, Extent, Library, Model, NamedState, OneLine, Process, Unit, Variable};
 
@@ -9,21 +9,21 @@ use super::scans::ScanEvidence;
 use super::simulated::Simulated;
 use trials::table::Row;
 
-/// Name of the effect that adds up and changes nothing.
+/// Name of the effect that accumulates sums and changes nothing.
 const WATCH: &str = "extent-sums";
 
-/// Names with what the data hold of them [SI].
+/// Names with their ranges in the data [SI].
 pub type Extents = Vec<(String, Extent)>;
 
-/// Data that know how large what a formula reads becomes in them.
+/// Data that know the range of each variable and state of a formula.
 pub trait Reaches {
-    /// States that formulas may read by their names beside those of a library.
+    /// States that formulas may read by name in addition to those of a library.
     fn measured_states(&self) -> Vec<NamedState>;
 
-    /// Extent in the data of each variable and state that a line reads [SI]; names without one are left out.
+    /// Range in the data of each variable and state that a line reads [SI]; names without one are left out.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn extents(&self, line: &OneLine, model: &Model, library: &Library) -> Result<Extents, EvidenceError>;
 }
 
@@ -49,7 +49,7 @@ impl Reaches for ScanEvidence<'_> {
     }
 }
 
-/// The effect file of the sums: what is removed, then the removal times each name.
+/// Effect file of the sums: the removal, then the removal times each name.
 fn watch(process: Process, names: &[&str], states: &str) -> String {
     let removal = match process {
         Process::Grinding => "rate",
@@ -67,7 +67,7 @@ fn watch(process: Process, names: &[&str], states: &str) -> String {
     )
 }
 
-/// Least and greatest mean of a name over the removal at a pixel that was worked on.
+/// Range over the worked pixels of the removal-weighted mean of a name.
 fn extent(evidence: &ScanEvidence, simulated: &Simulated, (name, names): (usize, usize)) -> Option<Extent> {
     let mut found: Option<Extent> = None;
     for view in evidence.of(Split::Calibration) {

@@ -1,4 +1,4 @@
-//! An effect that was fitted, and what speaks for it.
+//! A fitted effect and the evidence for it.
 
 use super::cross_validation::{CrossValidation, Prediction};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
@@ -9,29 +9,30 @@ use super::suspect::Suspect;
 use super::verdict::{Searched, least_size, rms};
 use crate::criteria::SIGNIFICANCE_LEVEL;
 
-/// An effect that was found, or might be.
+/// An effect that was found, or is a candidate.
 #[derive(Clone)]
 pub struct Finding {
-    /// The effect fitted.
+    /// The fitted effect.
     pub suspect: Suspect,
-    /// Fall of the sum of squares, over the spread of what is left.
+    /// Fall of χ², divided by the variance of the remaining residuals.
     pub delta_chi2: f64,
-    /// P-value of such a fall for the luckiest of all effects.
+    /// P-value: probability that noise alone gives the best of all effects such a Δχ².
     pub p_value: f64,
-    /// Root mean square of what it changes in the calibration data or takes from their errors, whichever is more, in their unit.
+    /// Size of the effect, in the data's unit: the larger of the root mean square change of the calibration data and
+    /// the reduction of their error.
     pub size: f64,
-    /// Probability among all effects that were fitted, and none of them.
+    /// Posterior probability among all fitted effects and the hypothesis that none of them is the cause.
     pub probability: f64,
     /// Agreement with the calibration data; empty where the effect is not significant.
     pub calibration: Vec<Agreement>,
-    /// Agreement with the held-out data, opened once the search has ended; empty of effects that were not found.
+    /// Agreement with the held-out data, opened once the search has ended; empty for effects that were not found.
     pub evaluation: Vec<Agreement>,
-    /// Prediction of each fold of the calibration data by the model with the effect.
+    /// Cross-validated prediction by the model with the effect.
     pub prediction: Prediction,
-    /// Root mean square of what the closure explains beside it, in the data's unit.
+    /// Root mean square of the part that the closure explains beside it, in the data's unit.
     pub closed: f64,
-    /// Share of its prior odds in those of its family: all forms of a dependence are as likely beforehand, and the one that
-    /// predicts best stands for them. 0 of a form that another one stands for.
+    /// Factor on the prior odds from the family: all forms of a dependence are equally likely a priori, and the one
+    /// that predicts best represents them. 0 for a form that another one represents.
     pub share: f64,
     /// True if it is admissible: significant and large enough to be named.
     pub is_admissible: bool,
@@ -39,17 +40,17 @@ pub struct Finding {
     pub reserve: Option<Reserve>,
 }
 
-/// Reference for effects: the base fit, its agreement, draws of noise, and folds for prediction.
+/// Reference for effects: the base fit, its agreement, draws of noise, and cross-validation folds.
 pub(super) struct Against<'a> {
-    /// The model without the effect.
+    /// The fit without the effect.
     pub base: &'a Fit,
     /// Its agreement with the calibration data.
     pub calibration: &'a [Agreement],
     /// Draws of noise with the largest Δχ² of any effect in each, for p-values.
     pub draws: &'a NullDraws,
-    /// Calibration data in folds.
+    /// Cross-validation of the calibration data.
     pub folds: &'a CrossValidation,
-    /// Standard deviation of what the best model leaves, whitened.
+    /// Standard deviation of the best model's whitened residuals.
     pub spread: f64,
 }
 
@@ -59,7 +60,7 @@ impl Finding {
         &self.suspect.screened.candidate.family
     }
 
-    /// The model with it, as a link of a chain of searches.
+    /// Returns the model with the effect as an element of a chain of searches.
     pub fn as_searched(&self) -> Searched {
         Searched {
             calibration: self.calibration.clone(),
@@ -70,7 +71,7 @@ impl Finding {
     }
 
     /// # Errors
-    /// When the model with the effect cannot be simulated.
+    /// If the model with the effect cannot be simulated.
     pub(super) fn new(evidence: &dyn Evidence, suspect: Suspect, against: &Against) -> Result<Self, EvidenceError> {
         let Against { base, calibration: before, draws, folds, spread } = against;
         let p_value = draws.p_value(base, &suspect.fit);

@@ -1,5 +1,5 @@
-//! The first answer on a model, within a minute: a fit of its law on a coarser lattice, and what the first look at every
-//! effect promises beside it. Nothing here is a verdict: no effect is fitted, and nothing is held against chance.
+//! First answer on a model, within a minute: a rough fit of its law on a coarser lattice, and the expected improvement
+//! by each effect from the first look. It is no verdict: no effect is fitted, and no p-value is computed.
 
 use effects::{CompiledModel, Library, Model, candidates};
 use rayon::prelude::*;
@@ -20,19 +20,19 @@ use crate::criteria::{FIRST_LOOK_EFFECTS, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS
 /// Cost of the fit.
 const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps: ROUGH_FIT_STEPS };
 
-/// An effect and what the first look promises of it.
+/// An effect and its expected improvement from the first look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
     /// Name in the library.
     pub name: String,
-    /// Expected fall of the sum of squares, over that of the law.
+    /// Expected fall of χ², as a share of the law's χ².
     pub share: f64,
 }
 
 /// Result of the first look.
 #[derive(Clone)]
 pub struct FirstLook {
-    /// The law as it was fitted.
+    /// The fitted law.
     pub law: CompiledModel,
     /// Root mean square residual of the calibration data, in the unit of errors.
     pub rms: f64,
@@ -41,10 +41,10 @@ pub struct FirstLook {
 }
 
 impl FirstLook {
-    /// Fits the law of a model roughly and looks at every effect of a library beside it.
+    /// Fits the law of a model roughly and takes a first look at every effect of a library beside it.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn new(evidence: &dyn Totals, model: &Model, library: &Library) -> Result<Self> {
         let compiled = CompiledModel::new(model, library, evidence.rows())?;
         let start = with_matched_rate(evidence, &compiled)?;
@@ -72,7 +72,7 @@ impl FirstLook {
     }
 }
 
-/// Expected fall of the sum of squares by an effect: each of its sizes at one middle value, its shape as the library has it.
+/// Expected fall of χ² by an effect: each size at one middle value, its shape as in the library.
 fn promised(look: &Look, candidate: &Candidate) -> f64 {
     let responses = candidate.typical().filter_map(|probe| look.at(candidate, probe));
     responses.map(|response| response.optimum(&look.projector.residuals).1).fold(0.0, f64::max)

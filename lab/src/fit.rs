@@ -1,5 +1,5 @@
-//! Fits a model to data by Levenberg and Marquardt's method within bounds. Measurement degrees of freedom are part of the
-//! whitened data, so every fit is joint.
+//! Levenberg-Marquardt fit of a model to data, within bounds. Nuisance degrees of freedom are part of the whitening, so
+//! every fit is joint.
 
 use std::ops::Range;
 
@@ -13,23 +13,23 @@ use crate::criteria::{
     FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_CHI2_PER_DATUM, RESTART_DISTANCE,
 };
 
-/// Damping: first, and factors after good and bad steps.
+/// Damping: initial value, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
-/// Least damping: below it a failed step would take many to be shortened.
+/// Least damping: below it, many tries would be needed to shorten a failed step.
 const LEAST_DAMPING: f64 = 1e-5;
-/// Share of what derivatives promised that a step keeps where they are right enough not to be renewed.
+/// Range of the actual over the predicted fall of χ² in which the derivatives are kept.
 const KEPT_OF_PROMISE: Range<f64> = 0.5..2.0;
-/// Longest step of one round [coordinates].
+/// Longest step [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
-/// Lengths tried for one step.
+/// Most lengths tried for one step.
 const TRIES: usize = 3;
 
-/// How much a fit may cost.
+/// Cost limits of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// How often derivatives may be made anew; between, they are updated from the steps (Broyden 1965).
+    /// Most recomputations of the derivatives; between them, steps update the derivatives (Broyden 1965).
     pub derivatives: usize,
-    /// Steps at most.
+    /// Most steps.
     pub steps: usize,
 }
 
@@ -44,64 +44,64 @@ impl Default for FitOptions {
 pub struct Fit {
     /// The model at the best values.
     pub model: CompiledModel,
-    /// What was varied.
+    /// Coordinates of the varied parameters.
     pub coordinates: Vec<Coordinate>,
     /// Best values [coordinates].
     pub at: Vec<f64>,
-    /// Whitened residuals there.
+    /// Whitened residuals at the best values.
     pub residuals: Vec<f64>,
     /// Derivatives of the whitened residuals, shape [data, coordinates].
     pub jacobian: DMatrix<f64>,
     /// Robust sum of squares.
     pub chi2: f64,
-    /// Whether the last step promised nothing more.
+    /// True if the last step predicted no further fall.
     pub converged: bool,
-    /// Simulations of the data.
+    /// Number of simulations of the data.
     pub runs: usize,
-    /// Where the fit began [coordinates].
+    /// Starting values [coordinates].
     pub(super) begun: Vec<f64>,
-    /// What else its data say about the parameters; `None` before the first step.
+    /// Contributions to the parameters' covariance beside the curvature of χ²; `None` before the first step.
     pub(super) doubt: Option<Doubt>,
 }
 
-/// Coordinates that were simulated, and how well they fit.
+/// A simulated point in coordinate space.
 pub(super) struct Place {
     /// Coordinates.
     pub(super) at: Vec<f64>,
-    /// Whitened residuals there.
+    /// Whitened residuals at the coordinates.
     pub(super) residuals: Vec<f64>,
     /// Robust sum of squares.
     pub(super) chi2: f64,
 }
 
 impl Place {
-    /// By how much the data differ from those at another place [σ].
+    /// Norm of the difference of the whitened data from those at another place [σ].
     pub(super) fn distance(&self, other: &Self) -> f64 {
         self.residuals.iter().zip(&other.residuals).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 }
 
-/// How an attempt to improve a fit ended.
+/// Outcome of an attempt to improve a fit.
 enum Step {
-    /// With a lower sum of squares.
+    /// χ² fell.
     Better {
-        /// What the derivatives promised.
+        /// Fall of χ² that the derivatives predicted.
         promised: f64,
     },
-    /// With none worth its cost.
+    /// No step is worth its cost.
     None,
 }
 
-/// What a fit says about one parameter.
+/// Estimate of one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// The parameter.
     pub coordinate: Coordinate,
     /// Best value [SI].
     pub value: f64,
-    /// Standard deviation [coordinates]; infinite where the data do not tell.
+    /// Standard deviation [coordinates]; infinite if the data do not determine it.
     pub sigma: f64,
-    /// The bound it lies on.
+    /// The bound on which it lies.
     pub bound: Option<Bound>,
 }
 
@@ -112,16 +112,16 @@ pub fn robust_sum(residuals: &[f64]) -> f64 {
     residuals.iter().map(rho).sum()
 }
 
-/// Weights that turn least squares into the robust sum.
+/// Weights of iteratively reweighted least squares for the robust sum.
 pub(super) fn weights(residuals: &[f64]) -> DVector<f64> {
     DVector::from_iterator(residuals.len(), residuals.iter().map(|r| (HUBER_CONSTANT / r.abs()).min(1.0).sqrt()))
 }
 
 impl Fit {
-    /// Fits the calibration data, beginning from the model's values.
+    /// Fits the calibration data, starting from the model's values.
     ///
     /// # Errors
-    /// When the model cannot be simulated at its first values.
+    /// If the model cannot be simulated at its starting values.
     pub fn new(
         evidence: &dyn Evidence,
         model: &CompiledModel,
@@ -131,10 +131,10 @@ impl Fit {
         Ok(Self::unfitted(evidence, model, coordinates)?.refined(evidence, options))
     }
 
-    /// The model as it is, with derivatives still to be made.
+    /// The model without any step; derivatives are not yet computed.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If it cannot be simulated.
     pub fn unfitted(
         evidence: &dyn Evidence,
         model: &CompiledModel,
@@ -149,18 +149,18 @@ impl Fit {
         Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1, begun, doubt: None })
     }
 
-    /// Goes on from here with the data as they are, and finds what they say about the parameters.
+    /// Continues the fit on the present data, and determines the covariance contributions of [`Doubt`].
     pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let fit = Self { converged: false, ..self }.stepped(evidence, options);
-        // A model that was fitted can be simulated.
+        // A fitted model can be simulated.
         let smooth = evidence.smooth_errors(&fit.model).unwrap_or_else(|_| DMatrix::zeros(fit.residuals.len(), 0));
         let errors = (&evidence.lattice_field()[..], &smooth);
         let doubt = Doubt::of(&fit, &evidence.blocks(Split::Calibration), errors);
         Self { doubt: Some(doubt), ..fit }
     }
 
-    /// Steps until none is worth its cost; derivatives that are there already are used first, and those of a fit that converged
-    /// are as good as new ones.
+    /// Takes steps until none is worth its cost. Existing derivatives are used first; those of a converged fit are as
+    /// good as new ones.
     pub(super) fn stepped(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
         let mut left = options.derivatives;
@@ -189,10 +189,11 @@ impl Fit {
         self
     }
 
-    /// The same values against data that have changed a little and may be others; derivatives are made along the parameters.
+    /// Evaluates the same values on data that have changed slightly and may differ in number; derivatives are
+    /// recomputed along the parameters.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn seen_anew(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         let mut fit = self.seen(evidence)?;
         (fit.jacobian, fit.converged) = (DMatrix::zeros(fit.residuals.len(), fit.at.len()), false);
@@ -200,12 +201,12 @@ impl Fit {
         Ok(fit)
     }
 
-    /// The same place with other residuals there.
+    /// The same values with other residuals.
     pub(super) fn with_residuals(self, residuals: Vec<f64>) -> Self {
         Self { chi2: robust_sum(&residuals), residuals, ..self }
     }
 
-    /// Whether so much is left that the landscape may have several valleys.
+    /// True if χ² is so large that there may be several local minima.
     pub(super) fn is_poor(&self) -> bool {
         self.chi2_per_datum() > RESTART_CHI2_PER_DATUM
     }
@@ -215,10 +216,10 @@ impl Fit {
         self.chi2 / self.residuals.len() as f64
     }
 
-    /// The same fit begun anew at another place [coordinates].
+    /// The same fit restarted at another place [coordinates].
     ///
     /// # Errors
-    /// When the model cannot be simulated there.
+    /// If the model cannot be simulated there.
     pub(super) fn begun_at(
         &self,
         evidence: &dyn Evidence,
@@ -229,7 +230,7 @@ impl Fit {
         Self::new(evidence, &model, self.coordinates.clone(), options)
     }
 
-    /// This fit's place with the coordinates of a model that it grew from where that model's fit began.
+    /// This fit's values, with the coordinates of the smaller model at that model's starting values.
     pub(super) fn with_beginning_of(&self, base: &Self) -> Vec<f64> {
         let begun = |(coordinate, at): (&Coordinate, &f64)| {
             let name = coordinate.slot.name();
@@ -239,7 +240,7 @@ impl Fit {
         self.coordinates.iter().zip(&self.at).map(begun).collect()
     }
 
-    /// Places on both sides along the direction of which the data tell least.
+    /// Places on both sides along the direction that the data determine least.
     pub(super) fn both_sides(&self) -> Vec<Vec<f64>> {
         let informed: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
         if informed.is_empty() {
@@ -258,13 +259,13 @@ impl Fit {
         [-1.0, 1.0].map(beside).into_iter().filter(|at| *at != self.at).collect()
     }
 
-    /// The derivatives along a coordinate, if this fit has it.
+    /// Derivatives along a coordinate, if this fit has it.
     pub fn column(&self, coordinate: &Coordinate) -> Option<DVector<f64>> {
         let place = self.coordinates.iter().position(|own| own.slot.name() == coordinate.slot.name())?;
         Some(self.jacobian.column(place).into_owned())
     }
 
-    /// Makes one step that lowers the sum of squares. The derivatives learn from each try, failed ones too.
+    /// Takes one step that lowers χ². Each try updates the derivatives, also a failed one.
     fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
         let worth = FIT_CONVERGED_DELTA_CHI2 * self.chi2_per_datum().max(1.0);
         for _ in 0..TRIES {
@@ -289,36 +290,37 @@ impl Fit {
         Step::None
     }
 
-    /// As [`Fit::place`], counted.
+    /// As [`Fit::place`], counting the simulation.
     fn tried(&mut self, evidence: &dyn Evidence, at: Vec<f64>) -> Option<Place> {
         self.runs += 1;
         self.place(evidence, at)
     }
 
-    /// The data at another place, if the model can be simulated there.
+    /// Simulates another place; `None` if the model cannot be simulated there.
     pub(super) fn place(&self, evidence: &dyn Evidence, at: Vec<f64>) -> Option<Place> {
         let residuals = evidence.residuals(&moved(&self.model, &self.coordinates, &at), Split::Calibration).ok()?;
         Some(Place { chi2: robust_sum(&residuals), at, residuals })
     }
 
-    /// Where the fit is.
+    /// The present place of the fit.
     pub(super) fn here(&self) -> Place {
         Place { at: self.at.clone(), residuals: self.residuals.clone(), chi2: self.chi2 }
     }
 
-    /// Goes to a place, with the derivatives as they are.
+    /// Moves to a place and keeps the derivatives.
     pub(super) fn go_to(&mut self, place: Place) {
         self.model = moved(&self.model, &self.coordinates, &place.at);
         (self.at, self.residuals, self.chi2) = (place.at, place.residuals, place.chi2);
     }
 
-    /// How far the coordinates follow a change of the residuals to make up for it, and by how much its sum of squares falls.
+    /// Shift of the coordinates that best compensates a change of the residuals, and the fall of the change's sum of
+    /// squares.
     pub(super) fn following(&self, change: &[f64]) -> Option<(Vec<f64>, f64)> {
         let (at, taken_up) = self.step(change, DAMPING.0)?;
         Some((at.iter().zip(&self.at).map(|(b, a)| b - a).collect(), taken_up))
     }
 
-    /// Where a damped step against residuals leads, kept within the bounds, and what it promises.
+    /// End of a damped step against residuals, within the bounds, and the predicted fall of their sum of squares.
     fn step(&self, residuals: &[f64], damping: f64) -> Option<(Vec<f64>, f64)> {
         let weights = weights(&self.residuals);
         let mut jacobian = self.jacobian.clone();
@@ -354,7 +356,7 @@ impl Fit {
         }
     }
 
-    /// What the fit says about each parameter; `spread` widens the intervals where the residuals are larger than noise.
+    /// Estimates of all parameters; `spread` widens the intervals where residuals exceed noise.
     pub fn estimates(&self, spread: f64) -> Vec<Estimate> {
         let covariance = self.covariance(spread);
         let estimate = |(k, coordinate): (usize, &Coordinate)| {
@@ -365,7 +367,7 @@ impl Fit {
         self.coordinates.iter().enumerate().map(estimate).collect()
     }
 
-    /// For each coordinate, whether it lies on a bound and the next step would take it farther.
+    /// For each coordinate, true if it lies on a bound and the next step would cross it.
     pub fn held_back(&self) -> Vec<bool> {
         let weights = weights(&self.residuals);
         let mut jacobian = self.jacobian.clone();

@@ -1,6 +1,6 @@
-//! The robot's frame and clock as degrees of freedom that all calibration scans share: where the logged paths lie in the
-//! frame of the scans, and how late the logs tell the pose. Where logs were moved for being far off, every fit leaves both
-//! free, with the priors of the trials.
+//! The robot's frame and clock as degrees of freedom that all calibration scans share: offset of the logged paths in
+//! the frame of the scans, and delay of the logged poses. If logs were moved because they were far off, every fit
+//! leaves both free, with the priors of the trials.
 
 mod alignment;
 mod estimate;
@@ -29,48 +29,48 @@ use crate::criteria::DERIVATIVE_CHANGE_LEAST;
 pub(super) const QUANTITIES: usize = 4;
 /// Shift along x and y [m], yaw [rad], lag [s].
 pub type FrameValues = [f64; QUANTITIES];
-/// Steps over which derivatives are taken.
+/// Steps of the finite differences.
 const STEPS: FrameValues = [0.1e-3, 0.1e-3, 2e-3, 0.01];
-/// Part of the largest share of the residuals that a direction takes up below which it is rounding.
+/// Least share of the residuals that a direction must absorb, relative to the largest; less is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Frame and clock as degrees of freedom of the calibration residuals.
 #[derive(Clone, Debug)]
 pub struct FrameFreedom {
-    /// Change of the residuals, each scan whitened by itself, by one standard deviation of each quantity, shape [data, 4];
-    /// zeros of one that the scans do not show.
+    /// Change of the residuals, each scan whitened separately, per prior standard deviation of each quantity, shape
+    /// [data, 4]; zeros for one that the scans do not show.
     pub(super) columns: DMatrix<f64>,
     /// Change of a simulated height map by the same [m], by trial and pass; for each quantity one value per pixel.
     heights: Vec<Vec<[Vec<f64>; QUANTITIES]>>,
     /// Orthonormal directions that the columns span, shape [data, directions].
     directions: DMatrix<f64>,
-    /// Share of a residual along each direction that the freedom takes up.
+    /// Share of a residual along each direction that frame and clock absorb.
     taken_up: Vec<f64>,
 }
 
-/// Change of all scans by one standard deviation of a quantity.
+/// Change of all scans by one prior standard deviation of a quantity.
 struct Change {
-    /// Of the calibration residuals, each scan whitened by itself.
+    /// Change of the calibration residuals, each scan whitened separately.
     column: Vec<f64>,
-    /// Of height maps [m], by trial and pass.
+    /// Change of the height maps [m], by trial and pass.
     heights: Vec<Vec<Vec<f64>>>,
 }
 
 impl FrameFreedom {
-    /// Frame and clock of a campaign whose logs were moved; `None` of one whose logs are near enough, where the place of each
-    /// part takes up what they may be off.
+    /// Frame and clock of a campaign whose logs were moved; `None` if its logs are close enough for the lateral shift
+    /// of each part to absorb their error.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn of_moved(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Option<Self>, EvidenceError> {
         let is_moved = evidence.logs_moved() != [0.0; QUANTITIES];
         is_moved.then(|| Self::new(evidence, model)).transpose()
     }
 
-    /// Simulates how scans change with frame and clock.
+    /// Simulates the change of the scans with frame and clock.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn new(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Self, EvidenceError> {
         let usual = evidence.simulation.run(model)?;
         let change = |k: usize| Change::of(evidence, (&usual, model), k);
@@ -82,7 +82,7 @@ impl FrameFreedom {
         Ok(Self { heights, ..Self::of(columns) })
     }
 
-    /// A freedom whose columns are known.
+    /// Computes directions and shares from known columns.
     fn of(columns: DMatrix<f64>) -> Self {
         let among = columns.tr_mul(&columns).symmetric_eigen();
         let most = among.eigenvalues.amax();
@@ -102,8 +102,8 @@ impl FrameFreedom {
         sha256(&self.columns.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())
     }
 
-    /// Residuals, or a change of them, independent with variance one where frame and clock are at work beside the noise:
-    /// `(1 + F Fᵀ)^(-1/2)` of them, which is one but along the directions that the columns `F` span.
+    /// Whitens residuals, or a change of them, where frame and clock act in addition to the noise: multiplies by `(1 +
+    /// F Fᵀ)^(-1/2)`, which is the identity outside the span of the columns `F`.
     pub(super) fn whiten(&self, residuals: &mut [f64]) {
         for (direction, share) in self.directions.column_iter().zip(&self.taken_up) {
             let along: f64 = direction.iter().zip(residuals.iter()).map(|(d, r)| d * r).sum();
@@ -111,7 +111,7 @@ impl FrameFreedom {
         }
     }
 
-    /// Undoes [`Self::whiten`].
+    /// Inverse of [`Self::whiten`].
     fn unwhiten(&self, residuals: &mut [f64]) {
         for (direction, share) in self.directions.column_iter().zip(&self.taken_up) {
             let along: f64 = direction.iter().zip(residuals.iter()).map(|(d, r)| d * r).sum();
@@ -122,16 +122,16 @@ impl FrameFreedom {
 }
 
 impl FrameFreedom {
-    /// The quantities, in their standard deviations, that residuals ask for most likely, each scan whitened by itself.
+    /// Most probable quantities given residuals, each scan whitened separately [prior standard deviations].
     pub(super) fn most_likely(&self, residuals: &[f64]) -> FrameValues {
         let mut left = residuals.to_vec();
         self.whiten(&mut left);
         self.whiten(&mut left);
-        // The columns' normal equations with unit priors: (1 + FᵀF)⁻¹ Fᵀ = Fᵀ (1 + F Fᵀ)⁻¹.
+        // Normal equations of the columns with unit priors: (1 + FᵀF)⁻¹ Fᵀ = Fᵀ (1 + F Fᵀ)⁻¹.
         std::array::from_fn(|k| -self.columns.column(k).iter().zip(&left).map(|(f, r)| f * r).sum::<f64>())
     }
 
-    /// Adds to a simulated height map what quantities, in their standard deviations, change of it.
+    /// Adds the change by given quantities [prior standard deviations] to a simulated height map.
     pub(super) fn add_to(&self, heights: &mut [f64], (trial, pass): (usize, usize), values: FrameValues) {
         for (change, value) in self.heights[trial][pass].iter().zip(values).filter(|(_, value)| *value != 0.0) {
             heights.iter_mut().zip(change).for_each(|(height, change)| *height += value * change);
@@ -140,8 +140,8 @@ impl FrameFreedom {
 }
 
 impl Change {
-    /// Of a quantity, over a step that changes the residuals by more than the simulation's own unevenness; nothing where none
-    /// does.
+    /// Change by one quantity, over a step that changes the residuals by more than the simulation's numerical noise;
+    /// zero where none does.
     fn of(evidence: &ScanEvidence, (usual, model): Simulated, quantity: usize) -> Result<Self, EvidenceError> {
         let simulations = &evidence.simulation.trials;
         let scale = priors(simulations[0].trial.frame_errors)[quantity];
@@ -161,7 +161,7 @@ impl Change {
         Self::between((evidence, model), usual, usual, 0.0)
     }
 
-    /// A factor times the change from one simulation to another.
+    /// The difference between two simulations, times a factor.
     fn between(
         (evidence, model): (&ScanEvidence, &CompiledModel),
         usual: &[Vec<SimulatedPass>],
@@ -192,14 +192,14 @@ impl Change {
 }
 
 impl ScanEvidence<'_> {
-    /// Measured minus simulated calibration tiles, each scan whitened by itself.
+    /// Measured minus simulated calibration tiles, each scan whitened separately.
     fn as_logged(&self, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
         let passes = self.simulate(model, Split::Calibration)?;
         self.whitened_alone((&passes, model), Split::Calibration, self.blur_of((&passes, model))?)
     }
 }
 
-/// Standard deviations before the scans are seen.
+/// Prior standard deviations.
 pub(super) fn priors(errors: FrameErrors) -> FrameValues {
     [errors.shift, errors.shift, errors.yaw, errors.lag]
 }
@@ -209,7 +209,7 @@ pub(super) fn frame_offset([x, y, yaw, lag]: FrameValues, about: DVec2) -> Frame
     FrameOffset { shift: DVec2::new(x, y), yaw, about, lag }
 }
 
-/// Middle of a trial's scans [m].
+/// Centre of a trial's scans [m].
 pub(super) fn middle(trial: &Trial) -> DVec2 {
     let pixels = &trial.scans.before.pixels;
     0.5 * (pixels.origin + pixels.position(pixels.nx - 1, pixels.ny - 1))

@@ -1,5 +1,5 @@
-//! One scan of a ground surface as data: laid on the untouched area, cut into tiles, with the covariance of what is no
-//! physics.
+//! One scan of a ground surface as data: registered on the untouched area, cut into tiles, with the covariance of noise
+//! and nuisance degrees of freedom.
 
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
@@ -15,13 +15,14 @@ use crate::criteria::{
 };
 use trials::measure::despiked;
 
-/// Degrees of freedom of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift along x, y [m].
+/// Prior standard deviations of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift
+/// along x, y [m].
 const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA];
-/// Side of the tiles of the untouched surface over that of the others: there are more of them.
+/// Ratio of the side of the untouched surface's tiles to the other tiles' side; the untouched surface is larger.
 pub(super) const COARSE: usize = 2;
-/// Of these, height and tilts, which the untouched surface gives.
+/// Number of pose degrees of freedom that the untouched surface determines: height and tilts.
 const HELD: usize = 3;
-/// Degrees of freedom of the scan's pose and of the part's place.
+/// Number of degrees of freedom of the scan's pose and of the part's lateral place.
 const PLACE_FREEDOMS: usize = 7;
 
 /// A scan as data.
@@ -31,39 +32,40 @@ pub struct HeightView {
     pub measured: HeightMap,
     /// Tiles that the tool may have touched.
     pub tiles: Tiles,
-    /// Noise of a tile.
+    /// Noise of a tile's mean.
     pub noise: TileNoise,
     slopes: Vec<DVec2>,
     cut: Vec<DVec2>,
-    /// What the lattice's error adds to the whitened tiles; zeros until it is known.
+    /// Contribution of the lattice error to the whitened tiles; zeros until it is known.
     pub lattice_field: Vec<f64>,
-    /// All tiles that the tool may have touched, rims too: the errors that people read are over them.
+    /// All tiles that the tool may have touched, rims included; reported errors are over them.
     pub judged: Tiles,
-    /// These before any pixel of theirs was found to be a spike, and what was removed from each [m].
+    /// The same tiles before spikes were removed, and the removed depth of each [m].
     whole: (Tiles, Vec<f64>),
     /// Those of them that are rims.
     pub rims: Tiles,
-    /// Pose of the scan and place of the cut, for the tiles before any was found to be a rim.
+    /// Degrees of freedom of the scan's pose and of the cut's place, for the tiles before rims were found.
     place: Freedom,
-    /// Height that each pixel gains where passes begin and end by a row of their logs otherwise [m]; empty until known.
+    /// Height change of each pixel where passes begin a row of their logs earlier or end one later [m]; empty until
+    /// known.
     ends: [Vec<f64>; 2],
     whitener: Whitener,
     /// Removed depth of each tile up to this scan [m].
     pub(super) removed: Vec<f64>,
     /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
     noise_depth: f64,
-    /// Share of the noise of the scan before in each tile.
+    /// Share of the previous scan's noise that remains in each tile.
     pub before_share: Vec<f64>,
 }
 
 impl HeightView {
-    /// Makes data of a scan.
+    /// Converts a scan to data.
     ///
     /// - `measured`, `before`: scans without spikes
-    /// - `free`: for each pixel, whether no tool came near it before this scan
-    /// - `side`: of a tile [pixels], with the noise of a tile and of one twice as wide
+    /// - `free`: for each pixel, true if no tool came near it before this scan
+    /// - `side`: side of a tile [pixels], with the noise of a tile and of one twice as wide
     ///
-    /// `None` where no tile was touched.
+    /// Returns `None` if no tile was touched.
     pub fn new(
         measured: HeightMap,
         before: &HeightMap,
@@ -112,13 +114,13 @@ impl HeightView {
         })
     }
 
-    /// The same scan, beside a simulation near the best values. Pixels that stick out of the difference are spikes that a
-    /// steep rim has hidden, and count no more. Tiles in which the lattice's error scatters more than [`RIM_NOISE_SHARE`] of
-    /// the noise are rims: where a rim lies within a pixel the lattice does not tell, and they are no data. In the others that
-    /// scatter is an error of the tile's mean. A rim along the tile errs alike in each of its pixels, so it is the error of
-    /// one line of them.
+    /// Refines the data with a simulation near the best values. Pixels that stick out of the difference are spikes that
+    /// a steep rim has hidden, and are left out. Tiles in which the lattice error scatters more than
+    /// [`RIM_NOISE_SHARE`] of the noise are rims and no data, because the lattice does not resolve a rim within a
+    /// pixel. In the other tiles this scatter is an error of the tile's mean. A rim along the tile has the same error
+    /// in each of its pixels, so the error is that of one line of them.
     ///
-    /// `None` where the covariance is not positive definite.
+    /// Returns `None` if the covariance is not positive definite.
     pub fn beside(self, errors: &ScanErrors) -> Option<Self> {
         let ScanErrors { simulated, lattice, ends, noise_depth } = *errors;
         let left =
@@ -159,26 +161,27 @@ impl HeightView {
         })
     }
 
-    /// The difference, whitened.
+    /// Whitened difference.
     pub fn whitened(&self, simulated: &HeightMap) -> Vec<f64> {
         self.whitener.whiten(&self.difference(simulated))
     }
 
-    /// The change of the tiles' heights [m] behind a change of the whitened ones; pose and place of the cut take up what they can.
+    /// Change of the tiles' heights [m] for a change of the whitened ones; pose and place of the cut absorb what they
+    /// can.
     pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         self.whitener.unwhiten(change)
     }
 
-    /// What the tiles may differ by without any physics.
+    /// Whitener of the tiles: noise and nuisance degrees of freedom.
     pub fn whitener(&self) -> &Whitener {
         &self.whitener
     }
 
-    /// Whitener of tiles of another scan of such a workpiece, whose pose would be known as well as that of this one.
+    /// Whitener of tiles of another scan of such a workpiece, with the same prior of the pose.
     ///
-    /// - `scan`, `change`: heights of that scan, and above the scan before [m]
+    /// - `scan`, `change`: heights of that scan, and its heights minus those of the scan before [m]
     ///
-    /// `None` where the covariance is not positive definite.
+    /// Returns `None` if the covariance is not positive definite.
     pub(super) fn whitener_of(
         &self,
         (scan, change): (&HeightMap, &HeightMap),
@@ -191,13 +194,13 @@ impl HeightView {
         Whitener::new(covariance, Freedom { columns, ..self.place.clone() })
     }
 
-    /// Measured minus simulated height of each pixel after the pose that fits best [m], NaN where it is not known.
+    /// Measured minus simulated height of each pixel after the best-fitting pose [m], NaN where it is not known.
     pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
         self.left_at(simulated, &self.whitener.degrees_of_freedom(&self.difference(simulated)).mean)
     }
 
-    /// As [`HeightView::left`], with height and tilt as the untouched surface says, and passes that begin and end as they were
-    /// simulated: a model that is far off does not pull them.
+    /// As [`HeightView::left`], with height and tilt from the untouched surface, and with the simulated ends of passes:
+    /// so a poor model does not bias them.
     pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
         let mut pose = self.whitener.degrees_of_freedom(&self.difference(simulated)).mean;
         pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
@@ -219,7 +222,7 @@ impl HeightView {
         (0..self.measured.heights.len()).map(left).collect()
     }
 
-    /// Root mean square of measured minus simulated height over the tiles' pixels, with the scan where it came [m].
+    /// Root mean square of measured minus simulated height over the tiles' pixels, without registration [m].
     pub fn raw_rms(&self, simulated: &HeightMap) -> f64 {
         let raw = self.tiles.pixels().map(|(_, at)| self.measured.heights[at] - simulated.heights[at]);
         let (sum, count) =
@@ -227,8 +230,8 @@ impl HeightView {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Standard deviation of a weighted sum over the tiles' differences as [`HeightView::left_held`] has them, from noise,
-    /// from height and tilt as the untouched surface leaves them, and from shifts as all data leave them.
+    /// Standard deviation of a weighted sum of the tiles' differences from [`HeightView::left_held`]: from noise, from
+    /// height and tilt as the untouched surface determines them, and from shifts as all data determine them.
     pub fn held_sigma(&self, weights: &[f64]) -> f64 {
         let expected = &self.whitener.expected().covariance;
         let mut covariance = self.whitener.degrees_of_freedom(&vec![0.0; self.tiles.len()]).covariance;
@@ -240,7 +243,7 @@ impl HeightView {
         self.whitener.sigma_of_sum_given(weights, &covariance)
     }
 
-    /// Volume that a simulation removed under all tiles, and the volume of what it leaves [m³].
+    /// Simulated removed volume under all tiles, and the volume of the residual [m³].
     pub fn volumes(&self, before: &HeightMap, simulated: &HeightMap) -> (f64, f64) {
         let left = self.left_held(simulated);
         let sum = |value: &dyn Fn(usize) -> f64| {
@@ -258,8 +261,8 @@ impl HeightView {
         self.held_sigma(&areas)
     }
 
-    /// Root mean square of what is left over the tiles' pixels, what the scans' noise alone would leave, and the mean
-    /// depth that was removed [m]. Spikes that a steep rim has hidden until the simulation was taken off it do not count.
+    /// Root mean square residual over the tiles' pixels, its noise floor, and the mean removed depth [m]. Spikes that a
+    /// steep rim has hidden until the simulation was subtracted are left out.
     ///
     /// - `noise`: root mean square of one scan's noise [m]
     pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
@@ -277,12 +280,12 @@ impl HeightView {
     }
 }
 
-/// Share of the noise of the scan before that is left where so much was removed [m].
+/// Share of the previous scan's noise that remains after removal of a depth [m].
 fn shares(removed: &[f64], noise_depth: f64) -> Vec<f64> {
     removed.iter().map(|removed| (-removed / noise_depth).exp()).collect()
 }
 
-/// Middle of a map and half of its diagonal [m].
+/// Centre of a map and half of its diagonal [m].
 #[derive(Clone, Copy)]
 struct Frame {
     middle: DVec2,
@@ -296,7 +299,7 @@ impl Frame {
     }
 }
 
-/// What each freedom of a scan's pose adds to the height of a pixel.
+/// Height change of a pixel per unit of each degree of freedom of a scan's pose.
 fn pose_column(frame: Frame, pixels: sdf_bake::PixelGrid, at: usize, slope: DVec2) -> [f64; 5] {
     let place = (pixels.position(at % pixels.nx, at / pixels.nx) - frame.middle) / frame.reach;
     [1.0, place.x, place.y, -slope.x, -slope.y]
@@ -312,14 +315,14 @@ fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
     })
 }
 
-/// What shifts of the cut along x and y add to the height of each tile.
+/// Height change of each tile per shift of the cut along x and y.
 fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
     let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
     let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
     DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
 }
 
-/// What the scan's pose and the cut's place add to the height of each tile.
+/// Height change of each tile per unit of the scan's pose and of the cut's place.
 ///
 /// - `maps`: slopes of the scan and of the cut
 fn place_columns(tiles: &Tiles, [slopes, cut]: [&[DVec2]; 2]) -> DMatrix<f64> {
@@ -329,7 +332,7 @@ fn place_columns(tiles: &Tiles, [slopes, cut]: [&[DVec2]; 2]) -> DMatrix<f64> {
     })
 }
 
-/// Slope at each pixel from a plane through its neighbours two pixels around, NaN where too few are known.
+/// Slope at each pixel of a plane fitted to neighbours up to two pixels away, NaN where too few are known.
 fn slopes(map: &HeightMap) -> Vec<DVec2> {
     let (nx, ny) = (map.pixels.nx as i64, map.pixels.ny as i64);
     let slope = |at: usize| {
@@ -343,7 +346,7 @@ fn slopes(map: &HeightMap) -> Vec<DVec2> {
     (0..map.heights.len()).map(slope).collect()
 }
 
-/// Slope of the straight line through those of five values that are known [per pixel]; NaN where fewer than two are.
+/// Slope of the straight line fitted to the known ones of five values [per pixel]; NaN where fewer than two are known.
 fn along(height: impl Fn(i64) -> f64) -> f64 {
     let known: Vec<(f64, f64)> =
         (-2..=2).map(|d| (d as f64, height(d))).filter(|(_, height)| height.is_finite()).collect();

@@ -1,4 +1,4 @@
-//! A fit whose one parameter is held where somebody wants it, as when a slider is dragged.
+//! A fit with one parameter held at a given value, as when a user drags a slider.
 
 use effects::CompiledModel;
 use nalgebra::DVector;
@@ -9,15 +9,15 @@ use super::fit::Fit;
 use super::space_mapping::Surrogate;
 
 impl Fit {
-    /// The same model with one parameter held at another value. The others follow as the derivatives of this fit say, by one
-    /// step of Gauss and Newton, and the data are predicted once there, quicker where that is possible. Its coordinates are the
-    /// others, with these derivatives.
+    /// Returns the same model with one parameter held at another value. The others follow by one Gauss-Newton step from
+    /// this fit's derivatives, and the data are predicted there once, with the faster prediction if there is one. The
+    /// result keeps the other coordinates and these derivatives.
     ///
-    /// - `held`: place among the coordinates
-    /// - `value`: SI; one beyond the bounds is taken as the bound
+    /// - `held`: index among the coordinates
+    /// - `value`: SI; clamped to the bounds
     ///
     /// # Errors
-    /// When the model cannot be simulated there.
+    /// If the model cannot be simulated there.
     pub fn held_at(&self, evidence: &dyn Evidence, held: usize, value: f64) -> Result<Self, EvidenceError> {
         let coordinate = &self.coordinates[held];
         let way = coordinate.clamped(coordinate.from_value(value)) - self.at[held];

@@ -1,23 +1,24 @@
-//! The laboratory: compares a model with measurements, fits it, and finds the effect that it lacks.
+//! The laboratory: compares a model with measurements, fits it, and finds missing effects.
 //!
 //! The method in ten steps, each with its files:
 //!
-//! 1. The crate `trial-simulation` runs trials as they were logged and shows the result as the instrument does; `scans` and
-//!    `evidence` hold that against what was measured.
-//! 2. `height_view`, `exposure_view` and `rows` make data of scans, masks and tables; `tiles` cuts scans up.
-//! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the error of the simulation's own
-//!    lattice (`lattice_error`); `blur` fits the instrument.
-//! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from where `begin` says, `uncertainty` gives their
-//!    intervals; `staged` fits the rate first.
-//! 5. `calibration` fits one effect after the other; the errors are the waterfall.
-//! 6. `structure`, `covariate_share` and `pass_trend` test what the model leaves.
-//! 7. `screen` simulates every effect at a few sizes (`probe`) beside what the base parameters can change (`response`).
+//! 1. The crate `trial-simulation` simulates trials as they were logged and as the instrument sees them; `scans` and
+//!    `evidence` compare the result with the measurements.
+//! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data; `tiles` cuts scans up.
+//! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the simulation's lattice error
+//!    (`simulation_errors`); `blur` fits the instrument.
+//! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from the starting values of `begin`; `uncertainty`
+//!    gives their intervals; `staged` fits the rate first.
+//! 5. `calibration` fits one effect after the other; the errors form the waterfall.
+//! 6. `structure`, `covariate_share` and `pass_trend` test the residuals.
+//! 7. `screen` simulates every effect at a few sizes (`probe`) and projects out the base parameters (`response`).
 //! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
-//! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` say why others are out and what would show;
-//!    `unlisted` finds a formula for what no effect describes, `next_trial` and `next_row` an experiment.
-//! 10. `calibrate_scans` and `diagnose` are repeated by the crate `study`: compare, calibrate, diagnose, add.
+//! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` give reasons against the others and
+//!    detectable sizes; `unlisted` finds a formula where no effect fits, `next_trial` and `next_row` propose an
+//!    experiment.
+//! 10. The crate `study` repeats the steps: compare, calibrate, diagnose, add.
 //!
-//! The numbers that decide stand in one table, [`criteria`]. SI units inside; the same seed gives the same bytes on any
+//! All decision criteria stand in one table, [`criteria`]. Units are SI; the same seed gives the same bytes on any
 //! number of threads.
 
 mod attempt;

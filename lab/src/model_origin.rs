@@ -7,13 +7,13 @@ use effects::page::EffectAnswer;
 use files::sha256;
 use serde::Serialize;
 
-/// All that a result depends on: each input by name, with its value or its SHA-256.
+/// All inputs of a result: each by name, with its value or its SHA-256.
 pub type Origin = BTreeMap<String, String>;
 
-/// The SHA-256 of a value by its keys and values as JSON.
+/// SHA-256 of a value's canonical JSON.
 ///
 /// # Panics
-/// When the value has no form in JSON, which is a bug of its type.
+/// If the value cannot be written as JSON, which is a bug of its type.
 pub fn identity(value: &impl Serialize) -> String {
     sha256(&serde_json::to_vec(value).expect("a value with a form in JSON"))
 }

@@ -1,8 +1,8 @@
-//! Probabilities of models from what they predict of folds that their fits did not see.
+//! Posterior probabilities of models from their cross-validated predictions.
 //!
-//! The sum of a model's log densities is uncertain, because other folds might have been measured. So the folds are weighted
-//! at random (the Bayesian bootstrap, Rubin 1981), the models' weights follow from each draw, and their means are the
-//! probabilities (pseudo-BMA+; Yao, Vehtari, Simpson and Gelman 2018).
+//! The sum of a model's log densities is uncertain, because other folds might have been measured. So the folds are
+//! weighted at random (the Bayesian bootstrap, Rubin 1981), the models' weights follow from each draw, and their means
+//! are the probabilities (pseudo-BMA+; Yao, Vehtari, Simpson and Gelman 2018).
 
 use random::Stream;
 

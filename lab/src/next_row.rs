@@ -1,5 +1,5 @@
-//! The row that a table needs next: variants of its last pieces of work, one row more after each, that tell two rivals
-//! apart.
+//! The most informative next row of a table: the last sequence of rows is repeated with one new row, which is chosen to
+//! distinguish two rivals.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -14,10 +14,10 @@ use trials::measure::median;
 use trials::table::{Row, Table};
 use trials::trial::{RPM, Role};
 
-/// Rows of a piece of work at most that are repeated before the new one.
+/// Most rows of the sequence that are repeated before the new one.
 const MOST_ROWS: usize = 6;
 
-/// What the new row changes of the one before it.
+/// Setting that the new row changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
     Nothing,
@@ -38,21 +38,21 @@ const CHANGES: [Change; 8] = [
     Change::Duration(3.0),
 ];
 
-/// The row on which the effect that was found last changes most, so that it tests what the effect predicts; `None` where
+/// The row on which the effect that was found last changes the prediction most, as a test of the effect; `None` where
 /// nothing was found.
 ///
 /// # Errors
-/// When a model cannot be evaluated.
+/// If a model cannot be evaluated.
 pub fn testing_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = (found.suspect.name(), &found.suspect.fit);
     Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::into_test))
 }
 
-/// The row that would tell the two rivals of a diagnosis apart, where two are still in play.
+/// The row that distinguishes the two rivals of a diagnosis; `None` unless two are still in play.
 ///
 /// # Errors
-/// When a rival cannot be evaluated.
+/// If a rival cannot be evaluated.
 pub fn separating_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some([one, other]) = diagnosis.rivals().map(|rivals| rivals.map(|rival| &rival.suspect)) else {
         return Ok(None);
@@ -60,11 +60,11 @@ pub fn separating_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<O
     next_row(evidence, ((one.name(), &one.fit), (other.name(), &other.fit)))
 }
 
-/// The row that tells two fitted rivals apart best after the last piece of work is repeated, even if their other
-/// parameters are fitted anew (Atkinson and Fedorov 1975); `None` of an empty table.
+/// The row that best distinguishes two fitted rivals after the last sequence of rows is repeated, even if their other
+/// parameters are refitted (Atkinson and Fedorov 1975); `None` for an empty table.
 ///
 /// # Errors
-/// When a rival cannot be evaluated.
+/// If a rival cannot be evaluated.
 pub fn next_row(
     evidence: &RowEvidence,
     (first, second): ((&str, &Fit), (&str, &Fit)),
@@ -82,13 +82,13 @@ pub fn next_row(
     Ok(best)
 }
 
-/// The rows since the tool was last fresh, or the last row.
+/// The rows since the tool was last fresh, or the last row alone; `None` for an empty table.
 fn last_work(table: &Table) -> Option<Vec<Row>> {
     let start = table.rows.iter().rposition(|row| row.fresh).unwrap_or(table.rows.len().checked_sub(1)?);
     Some(table.rows[start..].iter().take(MOST_ROWS).cloned().collect())
 }
 
-/// A row that follows another; `None` where the table does not hold what would change.
+/// The row that follows another with one setting changed; `None` where the table lacks that setting.
 fn changed(row: &Row, change: Change) -> Option<Row> {
     let mut next = Row { fresh: false, began: None, ..row.clone() };
     let scale = |value: &mut Option<f64>, factor: f64| value.as_mut().map(|value| *value *= factor);
@@ -105,8 +105,8 @@ fn changed(row: &Row, change: Change) -> Option<Row> {
     Some(next)
 }
 
-/// Least difference of two rivals' predictions of new rows, over all changes of the second's parameters that the old rows
-/// allow.
+/// Least squared difference of two rivals' predictions of new rows, over all changes of the second's parameters that
+/// the old rows allow.
 fn separation(evidence: &RowEvidence, rows: &[Row], first: &Fit, second: &Fit) -> Result<f64, EvidenceError> {
     let usual = median(evidence.table.rows.iter().filter_map(|row| row.removal_rate).collect());
     let mut table = evidence.table.clone();

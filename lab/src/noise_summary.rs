@@ -1,4 +1,4 @@
-//! The noise of a trial's scans in numbers, and whether whitening makes it white.
+//! Noise of a trial's scans in numbers, and a test of whether whitening makes it white.
 
 use serde::Serialize;
 
@@ -9,37 +9,37 @@ use crate::criteria::SIGNIFICANCE_LEVEL;
 use trial_simulation::Simulation;
 use trials::measure::{NoiseSource, ScanNoise};
 
-/// Seed of the draws behind the p-value: it belongs to the measurements, not to a search.
+/// Seed of the draws behind the p-value; it belongs to the measurements, not to a search.
 const SEED: u64 = 1;
 
-/// The noise of one scan's tiles, as two scans of one surface show it.
+/// Noise of one scan's tiles, from two scans of one surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct NoiseSummary {
     /// Name of the trial.
     pub trial: String,
-    /// How the noise that tiles share falls with distance.
+    /// Correlation function of the noise that tiles share.
     pub kernel: Kernel,
-    /// Standard deviation of the part that a tile has alone [µm].
+    /// Standard deviation of the part that is independent between tiles [µm].
     pub alone_um: f64,
-    /// Standard deviation of the part that neighbours share [µm].
+    /// Standard deviation of the part that is correlated between tiles [µm].
     pub shared_um: f64,
-    /// Length of the kernel [mm].
+    /// Correlation length of the kernel [mm].
     pub length_mm: f64,
-    /// Where it is seen.
+    /// Source of the estimate.
     pub source: NoiseSource,
-    /// Mean square of the whitened difference of the two scans; one where the noise is right. `None` without two scans of
-    /// one surface, as all that follows from it.
+    /// Mean square of the whitened difference of the two scans; one where the noise model is right. `None` without two
+    /// scans of one surface, as are the values derived from it.
     pub variance: Option<f64>,
-    /// Correlation of neighbours in it (Moran 1950).
+    /// Moran's I of the whitened difference (Moran 1950).
     pub morans_i: Option<f64>,
-    /// Chance of at least such a correlation where the noise is right.
+    /// P-value of this correlation where the noise model is right.
     pub p_value: Option<f64>,
-    /// Whether nothing speaks against the noise. If not, p-values and intervals are not valid.
+    /// True if no test rejects the noise model. Otherwise p-values and intervals are not valid.
     pub is_white: bool,
 }
 
 impl NoiseSummary {
-    /// One for each trial that was ground.
+    /// Noise of each ground trial.
     pub fn all(evidence: &ScanEvidence) -> Vec<Self> {
         let level = SIGNIFICANCE_LEVEL / evidence.tile_noise.len().max(1) as f64;
         let trials = evidence.simulation.trials.iter().zip(&evidence.noise).zip(&evidence.tile_noise);
@@ -73,7 +73,7 @@ impl NoiseSummary {
         }
     }
 
-    /// In a line.
+    /// Formats the noise in one line.
     pub fn shown(&self) -> String {
         let Self { trial, alone_um, shared_um, length_mm, .. } = self;
         let source = self.source.words().map_or(String::new(), |words| format!("; {words}"));

@@ -1,5 +1,5 @@
-//! How a simulated surface is seen before it is compared with a scan: through the instrument's blur, and without the share
-//! of the lattice's error that the data hold. Both are found anew with every model.
+//! Observation of a simulated surface before it is compared with a scan: blurred like the instrument, and corrected by
+//! the share of the lattice error that the data contain. Both are determined again for every model.
 
 use effects::{CompiledModel, Process};
 use rayon::prelude::*;
@@ -15,31 +15,31 @@ use crate::criteria::BLUR_WIDEST;
 use trial_simulation::SimulatedPass;
 use trials::trial::PassScan;
 
-/// Values of the blur tried at first, and a change that counts as none [pixels].
+/// Number of blurs tried at first, and the change at which the search ends [pixels].
 const BLUR_STEPS: usize = 6;
 const SETTLED_BLUR: f64 = 3e-4;
 
-/// Most of the lattice's error that rims hold: all that a simulation of second order lacks (Richardson 1911).
+/// Largest share of the lattice error at rims: the whole error of a second-order simulation (Richardson 1911).
 const RIM_SHARE_MOST: f64 = 4.0 / 3.0;
 
-/// How simulated surfaces are seen.
+/// Parameters of the observation of simulated surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observation {
     /// Standard deviation of the instrument's lateral blur [m].
     pub blur: f64,
-    /// Share of the measured error of the lattice that the data hold on even ground [1].
+    /// Share of the measured lattice error that the data contain away from rims [1].
     pub lattice_share: f64,
-    /// The same at rims, which converge otherwise and are no data [1].
+    /// The same at rims, which converge differently and are no data [1].
     pub rim_share: f64,
-    /// Robot's frame and clock as the data most likely have them [standard deviations beforehand].
+    /// Most probable frame and clock [prior standard deviations].
     pub frame: FrameValues,
 }
 
-/// Simulated passes of each trial, and the model that made them.
+/// Simulated passes of each trial, and the model that produced them.
 pub type Simulated<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
 
 impl ScanEvidence<'_> {
-    /// A simulated surface as the instrument sees it.
+    /// Returns a simulated surface as the instrument sees it.
     pub fn seen(&self, view: &ScanView, simulated: &HeightMap, observation: Observation) -> HeightMap {
         let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, observation.blur);
         if let Some(frame) = &self.frame {
@@ -54,10 +54,10 @@ impl ScanEvidence<'_> {
         seen
     }
 
-    /// The observation with which a model is most like the calibration scans.
+    /// The observation with which a model agrees best with the calibration scans.
     ///
     /// # Errors
-    /// When a formula of the scanner gives no finite number.
+    /// If a formula of the scanner gives no finite number.
     pub fn observation_of(&self, (passes, model): Simulated) -> Result<Observation, EvidenceError> {
         if let Some(observation) = self.observation {
             return Ok(observation);
@@ -74,7 +74,7 @@ impl ScanEvidence<'_> {
         Ok(Observation { rim_share: self.rim_share(passes, even), ..even })
     }
 
-    /// The share of the lattice's error with which simulated rims are most like those of the calibration scans.
+    /// The share of the lattice error with which simulated rims agree best with those of the calibration scans.
     fn rim_share(&self, passes: &[Vec<SimulatedPass>], even: Observation) -> f64 {
         let (mut products, mut squares) = (0.0, 0.0);
         for view in self.of(Split::Calibration) {
@@ -89,10 +89,10 @@ impl ScanEvidence<'_> {
         if squares > 0.0 { (products / squares).clamp(0.0, RIM_SHARE_MOST) } else { even.lattice_share }
     }
 
-    /// Keeps the observation that this model finds.
+    /// Fixes the observation that fits this model.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.observation = None;
         let passes = self.simulate(model, Split::Calibration)?;
@@ -103,12 +103,12 @@ impl ScanEvidence<'_> {
     /// Measured minus simulated tiles of a split, independent with variance one where the model is right.
     ///
     /// # Errors
-    /// When a formula of the scanner gives no finite number.
+    /// If a formula of the scanner gives no finite number.
     pub(super) fn seen_residuals(&self, simulated: Simulated, split: Split) -> Result<Vec<f64>, EvidenceError> {
         self.residuals_through(simulated, split, self.blur_of(simulated)?)
     }
 
-    /// As [`Self::seen_residuals`], through an instrument whose blur [m] is known.
+    /// As [`Self::seen_residuals`], with a known blur [m].
     pub(super) fn residuals_through(
         &self,
         simulated: Simulated,
@@ -119,8 +119,8 @@ impl ScanEvidence<'_> {
         Ok(without_lattice_error(&left, &self.lattice_field_of(split)))
     }
 
-    /// The instrument's blur [m]: the one with which the simulated rims of what the tool cut are like those of the
-    /// calibration scans. A stiff contact and a sharp instrument leave like rims.
+    /// Blur of the instrument [m] with which the simulated rims of the cut agree best with those of the calibration
+    /// scans. A stiff contact and a sharp instrument leave similar rims.
     pub(super) fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
         if let Some(observation) = self.observation {
             return Ok(observation.blur);
@@ -137,15 +137,15 @@ impl ScanEvidence<'_> {
         least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
-    /// Measured minus simulated tiles of a split, whitened, through an instrument of so much blur [m]; the lattice's error
-    /// is still in them.
+    /// Measured minus simulated tiles of a split, whitened, with a given blur [m]; the lattice error is not yet
+    /// removed.
     fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
         let mut whitened = self.whitened_alone(simulated, split, blur)?;
         self.whiten_frame(&mut whitened, split);
         Ok(whitened)
     }
 
-    /// As [`Self::whitened`], each scan by itself: frame and clock, which they share, are still in them.
+    /// As [`Self::whitened`], scan by scan; frame and clock, which the scans share, are not yet removed.
     pub(super) fn whitened_alone(
         &self,
         simulated: Simulated,
@@ -171,7 +171,7 @@ impl ScanEvidence<'_> {
         })
     }
 
-    /// What the lattice's error adds to the whitened tiles of a split.
+    /// Contribution of the lattice error to the whitened tiles of a split.
     pub(super) fn lattice_field_of(&self, split: Split) -> Vec<f64> {
         let field = |view: &ScanView| match &view.data {
             ScanData::Heights(data) => data.lattice_field.clone(),
@@ -182,16 +182,15 @@ impl ScanEvidence<'_> {
         field
     }
 
-    /// Takes out of scans, each whitened by itself, what frame and clock may make of them. Held-out scans decide nothing, and
-    /// stay as they are.
+    /// Whitens separately whitened scans for frame and clock. Held-out scans decide nothing, and stay as they are.
     fn whiten_frame(&self, whitened: &mut [f64], split: Split) {
         if let (Some(frame), Split::Calibration) = (&self.frame, split) {
             frame.whiten(whitened);
         }
     }
 
-    /// A change of the calibration tiles, each scan whitened by itself, as residuals show it: without what frame, clock and
-    /// lattice may make of it.
+    /// Converts a change of the calibration tiles, each scan whitened separately, to a change of the residuals: without
+    /// the part that frame, clock and lattice absorb.
     pub(super) fn change_seen(&self, change: &[f64], lattice_field: &[f64]) -> Vec<f64> {
         let mut change = change.to_vec();
         self.whiten_frame(&mut change, Split::Calibration);

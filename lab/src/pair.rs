@@ -1,10 +1,10 @@
-//! Two effects found together, where the best single one is no adequate fit of what is missing: alone each may be outdone by a third
-//! that takes a part of both for its own, and either may harm the held-out data until the other is there.
+//! Two effects found together, where the best single one is no adequate fit. A third effect that mimics parts of both
+//! may fit better than either alone, and either may degrade held-out data until the other is added.
 //!
-//! What every effect changes is known from the first look, so the gain of each pair is a matter of linear algebra: beside the
-//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted. Beside a strong effect another
-//! may do something else than that: where a sure effect explains most but cannot be the only one, all others that were fitted
-//! alone are fitted beside it, too.
+//! The first look gives the change by every effect, so the Δχ² of each pair follows from linear algebra: beside the
+//! base model, and beside each effect that was fitted alone. The most promising pairs are fitted. Beside a strong
+//! effect another may act differently from this estimate: where a significant effect explains most of the misfit but
+//! cannot be the only one, all others that were fitted alone are also fitted beside it.
 
 use std::collections::BTreeSet;
 
@@ -31,22 +31,22 @@ use crate::criteria::{
     PARTNER_FIT_DERIVATIVES, PARTNER_FIT_STEPS, PARTNERS_REFINED,
 };
 
-/// Cost of the fit of another effect beside a certain one.
+/// Cost of the fit of another effect beside a significant one.
 const PARTNER_FIT: FitOptions = FitOptions { derivatives: PARTNER_FIT_DERIVATIVES, steps: PARTNER_FIT_STEPS };
 
 /// Two effects fitted together.
 struct Joint {
-    /// The one that is the better alone, at the values that the fit of both began from.
+    /// The effect that is better alone, at the starting values of the joint fit.
     lead: Screened,
-    /// The other one, with the fit of both.
+    /// The other effect, with the joint fit.
     both: Suspect,
 }
 
-/// The pair of effects that describes what a first search could not name, as two searches one after the other;
-/// `None` where there is none, or several that share no effect.
+/// The pair of effects that describes what a first search could not name, as two successive searches; `None` if there
+/// is none, or several that share no effect.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub(super) fn pair(
     evidence: &dyn Evidence,
     first: &Round,
@@ -90,7 +90,7 @@ pub(super) fn pair(
     Ok(Some([halved(first, Finding { probability: sure, ..half }), second]))
 }
 
-/// The lead of some pairs as it is alone, and the search that it leads to, in which each pair's other effect is a finding.
+/// The lead of some pairs fitted alone, and the search beside it, in which each pair's other effect is a finding.
 fn two_searches(
     evidence: &dyn Evidence,
     first: &Round,
@@ -118,14 +118,14 @@ fn two_searches(
     Ok((half, second))
 }
 
-/// The first search with one half of the pair as the effect that it led to.
+/// The first search with one half of the pair as its result.
 fn halved(first: &Round, half: Finding) -> Round {
     let others = first.findings.iter().filter(|finding| finding.suspect.name() != half.suspect.name());
     let others: Vec<Finding> = others.map(|other| Finding { probability: 0.0, ..other.clone() }).collect();
     Round { findings: std::iter::once(half).chain(others).collect(), is_half: true, ..first.clone() }
 }
 
-/// Value of a parameter in a fit that varies it, perhaps at another place among the model's parameters.
+/// Value of a parameter in a fit that varies it, possibly at another index among the model's parameters.
 fn value_of(coordinate: &Coordinate, fit: &Fit) -> f64 {
     let own = fit.coordinates.iter().find(|own| own.slot.name() == coordinate.slot.name());
     own.map_or(f64::NAN, |own| fit.model.value(own.index))
@@ -146,7 +146,7 @@ fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
     alone.into_iter().find(|alone| alone.name() == effect.candidate.name)
 }
 
-/// The most promising pairs fitted, the best of them thoroughly. Least sum of squares first.
+/// Fits the most promising pairs, the best of them until convergence. Least χ² first.
 ///
 /// - `lattices`: the data, and their surrogate near the base fit
 fn fitted(lattices: Lattices, first: &Round, (model, library): (&Model, &Library), told: OnProgress) -> Vec<Joint> {
@@ -164,7 +164,7 @@ fn fitted(lattices: Lattices, first: &Round, (model, library): (&Model, &Library
     to_the_end(lattices, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
 }
 
-/// The best `count` pairs fitted to the end. Least sum of squares first.
+/// Fits the best `count` pairs until convergence. Least χ² first.
 fn to_the_end(lattices: Lattices, mut joints: Vec<Joint>, count: usize) -> Vec<Joint> {
     let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
@@ -179,8 +179,8 @@ fn to_the_end(lattices: Lattices, mut joints: Vec<Joint>, count: usize) -> Vec<J
     joints
 }
 
-/// A sure effect that explains most but cannot be the only one, with each other one that was fitted alone, begun at the values that it had
-/// then. The best of them are fitted to the end.
+/// A significant effect that explains most of the misfit but cannot be the only one, paired with each other effect that
+/// was fitted alone, starting from its fitted values. The best pairs are fitted until convergence.
 ///
 /// - `lattices`: as in [`fitted`]
 fn beside_surest(
@@ -209,14 +209,14 @@ fn beside_surest(
     to_the_end(lattices, joints, PARTNERS_REFINED)
 }
 
-/// A pair before it is fitted: the lead and the other one at the values that are expected to be best.
+/// A pair before it is fitted: lead and other effect at their expected best values.
 struct Promise {
     effects: [Screened; 2],
-    /// Expected sum of squares.
+    /// Expected χ².
     left: f64,
 }
 
-/// The pairs that promise most, a few for each lead.
+/// The most promising pairs, a few for each lead.
 fn promising(first: &Round) -> Vec<[Screened; 2]> {
     let mut promises = beside_fitted(first);
     promises.extend(beside_base(first));
@@ -235,7 +235,7 @@ fn promising(first: &Round) -> Vec<[Screened; 2]> {
     chosen
 }
 
-/// Each effect that was fitted alone, with each other one beside it: the changes are those beside the base model.
+/// Each effect that was fitted alone, with each other one beside it, whose changes are those beside the base model.
 fn beside_fitted(first: &Round) -> Vec<Promise> {
     let with = |finding: &Finding| {
         let lead = &finding.suspect;
@@ -251,7 +251,8 @@ fn beside_fitted(first: &Round) -> Vec<Promise> {
     first.findings.par_iter().filter(|finding| finding.share > 0.0).flat_map(with).collect()
 }
 
-/// All pairs at the shares of their probes that are best together beside the base model, the one that leaves less alone in the lead.
+/// All pairs at the jointly best amplitudes of their probes beside the base model; the lead is the effect with the
+/// lower χ² alone.
 fn beside_base(first: &Round) -> Vec<Promise> {
     let residuals = &Projector::new(&first.base).residuals;
     let alone =
@@ -274,21 +275,21 @@ fn beside_base(first: &Round) -> Vec<Promise> {
     promises.into_iter().map(promise).collect()
 }
 
-/// All probes of one effect with all of another.
+/// All combinations of a probe of one effect with one of another.
 fn couples<'a>([a, b]: [&'a Screened; 2]) -> impl Iterator<Item = [&'a Response; 2]> {
     let distinct = |effect: &'a Screened| effect.responses.iter().flatten().filter(|response| response.is_distinct());
     distinct(a).flat_map(move |a| distinct(b).map(move |b| [a, b]))
 }
 
-/// Shares of two probes that are best together.
+/// Jointly best amplitudes of two probes.
 struct Together<'a> {
     responses: [&'a Response; 2],
     shares: [f64; 2],
-    /// Expected fall of the sum of squares.
+    /// Expected fall of χ².
     delta_chi2: f64,
 }
 
-/// The best shares of two probes, each within its reach; `None` where they change nearly the same.
+/// The best amplitudes of two probes, each within its reach; `None` where their changes are nearly collinear.
 fn together<'a>(residuals: &DVector<f64>, responses: [&'a Response; 2]) -> Option<Together<'a>> {
     let [a, b] = responses.map(|response| &response.change);
     let (aa, bb, ab) = (a.norm_squared(), b.norm_squared(), a.dot(b));

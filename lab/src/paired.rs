@@ -1,5 +1,5 @@
-//! Two models against the same data, block by block: blocks of neighbouring tiles, or of rows, that depend on each other
-//! count once. What both miss alike cancels, so that a difference shows that neither error shows alone.
+//! Paired comparison of two models on the same data, by blocks of neighbouring tiles or rows that may be correlated.
+//! Errors that both models share cancel, so that the comparison is more sensitive than the two errors alone.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
@@ -10,31 +10,31 @@ use super::fit::robust_sum;
 use super::verdict::rms;
 use crate::criteria::INTERVAL_SIGMAS;
 
-/// Two models against one split of the data.
+/// Two models compared on one split of the data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairedSplit {
-    /// Errors of the two [unit of the data's errors].
+    /// Root mean square errors of the two models [unit of the data's errors].
     pub rms: [f64; 2],
     /// Noise floor, in the same unit.
     pub noise_floor: f64,
-    /// Robust sum of squares of the first above that of the second.
+    /// Robust χ² of the first minus that of the second.
     pub delta_chi2: f64,
-    /// Its standard error, from the differences of the blocks; absent where there is one block.
+    /// Its standard error, from the differences of the blocks; absent if there is one block.
     pub sigma: Option<f64>,
-    /// Blocks, and those of them in which the second is better.
+    /// Number of blocks, and of those in which the second model is better.
     pub blocks: [usize; 2],
 }
 
-/// Two models against the same data.
+/// Two models compared on the same data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paired {
-    /// In the data that fits see.
+    /// Comparison on calibration data.
     pub calibration: PairedSplit,
-    /// In the data that no fit saw; absent where there are none.
+    /// Comparison on held-out data; absent if there are none.
     pub held_out: Option<PairedSplit>,
 }
 
-/// Which of two models is better.
+/// The better of two models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Better {
@@ -42,15 +42,15 @@ pub enum Better {
     First,
     /// The second.
     Second,
-    /// Neither, by these data.
+    /// No significant difference.
     Neither,
 }
 
 impl Paired {
-    /// Holds two models against the same data as they are.
+    /// Compares two models on the same data without refitting.
     ///
     /// # Errors
-    /// When one cannot be simulated.
+    /// If one cannot be simulated.
     pub fn new(evidence: &dyn Evidence, models: [&CompiledModel; 2]) -> Result<Self, EvidenceError> {
         let held_out = !evidence.blocks(Split::Evaluation).is_empty();
         Ok(Self {
@@ -59,7 +59,7 @@ impl Paired {
         })
     }
 
-    /// The data that decide: those that no fit saw, where there are any.
+    /// The split that decides: held-out data where there are any, else calibration data.
     pub fn deciding(&self) -> &PairedSplit {
         self.held_out.as_ref().unwrap_or(&self.calibration)
     }
@@ -82,7 +82,7 @@ impl PairedSplit {
         })
     }
 
-    /// Which model is better, at 95 %.
+    /// Returns the better model at the 95 % level.
     pub fn better(&self) -> Better {
         let Some(margin) = self.sigma.map(|sigma| INTERVAL_SIGMAS * sigma) else { return Better::Neither };
         match self.delta_chi2 {
@@ -93,8 +93,8 @@ impl PairedSplit {
     }
 }
 
-/// Difference of two robust sums of squares, its standard error over blocks, and the number of blocks and of those that favour
-/// the second.
+/// Difference of two robust sums of squares, its standard error over blocks, and the number of blocks and of those that
+/// favour the second model.
 fn difference([first, second]: [&[f64]; 2], block_of: &[usize]) -> (f64, Option<f64>, [usize; 2]) {
     let count = block_of.iter().max().map_or(0, |most| most + 1);
     let mut sums = vec![None; count];

@@ -1,5 +1,5 @@
-//! How the removal changes from a pass to an equal one after it, and what a law can make of that with any of its
-//! parameters. A law without a memory cannot follow a tool that changes.
+//! Measured change of the removal between equal successive passes, and the range of changes that a law can produce with
+//! any parameters. A law without memory cannot describe a tool that changes.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
@@ -12,28 +12,29 @@ use super::scans::{ScanData, ScanEvidence, ScanView};
 use crate::criteria::{SAME_LOAD, SAME_SETTING, TREND_FACTOR, TREND_REMOVAL_SHARE, TREND_SIGMAS, TREND_VALUES};
 use trials::trial::{Pass, PassScan};
 
-/// How equal passes go on, as relative changes of the removed volume or depth from one to the next.
+/// Relative change of the removed volume or depth between equal successive passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PassTrend {
-    /// Pairs of equal passes.
+    /// Number of pairs of equal passes.
     pub pairs: usize,
-    /// Mean change measured.
+    /// Measured mean change.
     pub measured: f64,
     /// Its standard deviation.
     pub sigma: f64,
-    /// With the values of the model.
+    /// Change that the model predicts.
     pub model: f64,
-    /// Least and greatest change that the law can make.
+    /// Least and greatest change that the law can produce.
     pub reach: [f64; 2],
-    /// Which values were tried, for people.
+    /// Description of the parameter values that were tried.
     pub tried: &'static str,
-    /// Whether no values of the law can make the measured change.
+    /// True if no values of the law produce the measured change.
     pub out_of_reach: bool,
 }
 
 impl PassTrend {
-    /// - `measured`: logarithms of ratio and their standard deviations
-    /// - `model`, `tried_changes`: mean logarithm of the model's ratio as it is, and with each set of values
+    /// - `measured`: logarithms of ratios and their standard deviations
+    /// - `model`, `tried_changes`: mean logarithm of the model's ratio with its own values, and with each set of tried
+    ///   values
     fn new(measured: &[(f64, f64)], model: f64, tried_changes: &[f64], tried: &'static str) -> Option<Self> {
         let weights: f64 = measured.iter().map(|(_, sigma)| sigma.powi(-2)).sum();
         let mean = measured.iter().map(|(change, sigma)| change / (sigma * sigma)).sum::<f64>() / weights;
@@ -51,7 +52,7 @@ impl PassTrend {
         })
     }
 
-    /// For people.
+    /// Sentence for display.
     pub fn sentence(&self) -> String {
         let percent = |change: f64| format!("{:+.1}", 100.0 * change);
         let verdict =
@@ -67,11 +68,10 @@ impl PassTrend {
     }
 }
 
-/// Trend of the calibration rows that follow an equal one by the same tool without dressing; `None` where there are
-/// none.
+/// Trend of the calibration rows that follow an equal one by the same tool without dressing; `None` if there are none.
 ///
 /// # Errors
-/// When the model cannot be evaluated.
+/// If the model cannot be evaluated.
 pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
     let pairs = equal_rows(evidence);
     if pairs.is_empty() {
@@ -97,7 +97,7 @@ pub fn trend_of_rows(evidence: &RowEvidence, model: &CompiledModel) -> Result<Op
     Ok(PassTrend::new(&measured, of(model)?, &tried, "over the whole range of its parameters"))
 }
 
-/// Pairs of calibration rows: equal settings, one after the other, the same tool, not dressed between.
+/// Pairs of successive calibration rows with equal settings and the same tool, without dressing in between.
 fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
     let rows = &evidence.table.rows;
     let near = |a: Option<f64>, b: Option<f64>, same: f64| match (a, b) {
@@ -114,10 +114,10 @@ fn equal_rows(evidence: &RowEvidence) -> Vec<(usize, usize)> {
     (1..rows.len()).map(|b| (b - 1, b)).filter(|(a, b)| calibrates(a) && calibrates(b)).filter(is_equal).collect()
 }
 
-/// Trend of the calibration scans after equal passes on one workpiece; `None` where there are none.
+/// Trend of the calibration scans after equal passes on one workpiece; `None` if there are none.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub fn trend_of_scans(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Option<PassTrend>, EvidenceError> {
     let scans = EqualScans::new(evidence);
     if scans.pairs.is_empty() {
@@ -141,10 +141,10 @@ pub fn trend_of_scans(evidence: &ScanEvidence, model: &CompiledModel) -> Result<
     Ok(PassTrend::new(&measured, scans.mean(&here), &tried, "with each parameter at a third and three times its value"))
 }
 
-/// Volumes up to a scan [m³]: measured, its standard deviation, simulated.
+/// Volumes up to each scan [m³]: measured, its standard deviation, simulated.
 type Volumes = Vec<[f64; 3]>;
 
-/// Calibration scans, and which of them follow each other after equal passes.
+/// Calibration scans, and the pairs of successive scans after equal passes.
 struct EqualScans<'a> {
     evidence: &'a ScanEvidence<'a>,
     views: Vec<&'a ScanView>,
@@ -184,7 +184,7 @@ impl<'a> EqualScans<'a> {
         volumes[at][which] - if is_first { 0.0 } else { volumes[at - 1][which] }
     }
 
-    /// Logarithm of the volume of a pass over that of the one before.
+    /// Log ratio of the volume of a pass to that of the one before.
     fn change(&self, volumes: &Volumes, (a, b): (usize, usize), which: usize) -> f64 {
         (self.own(volumes, b, which) / self.own(volumes, a, which)).ln()
     }
@@ -195,24 +195,24 @@ impl<'a> EqualScans<'a> {
         (first / self.own(volumes, a, 0)).hypot(next / self.own(volumes, b, 0))
     }
 
-    /// Mean simulated change.
+    /// Mean simulated log ratio.
     fn mean(&self, volumes: &Volumes) -> f64 {
         self.pairs.iter().map(|&pair| self.change(volumes, pair, 2)).sum::<f64>() / self.pairs.len() as f64
     }
 }
 
-/// Whether two passes have the same settings.
+/// Returns true if two passes have the same settings.
 fn is_equal(a: &Pass, b: &Pass) -> bool {
     let near = |a: f64, b: f64| (b / a).ln().abs() < SAME_SETTING;
     near(a.force_setpoint, b.force_setpoint) && near(a.feed, b.feed) && near(a.spindle_speed, b.spindle_speed)
 }
 
-/// Free parameters of the base laws.
+/// Coordinates of the free parameters of the base laws.
 fn law_coordinates(evidence: &dyn Evidence, model: &CompiledModel) -> Vec<Coordinate> {
     evidence.coordinates(model).into_iter().filter(|coordinate| coordinate.slot.is_law).collect()
 }
 
-/// All combinations of evenly spread values over the parameters' ranges.
+/// Full grid of evenly spaced values over the parameters' ranges.
 fn grid(coordinates: &[Coordinate]) -> Vec<Vec<f64>> {
     let mut grid = vec![Vec::new()];
     for coordinate in coordinates {

@@ -1,4 +1,4 @@
-//! Scans made data: despiked, cut into tiles where the tool may have been, with the noise of the tiles.
+//! Preparation of scans as data: despiked, cut into tiles where the tool may have been, with the noise of the tiles.
 
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
@@ -20,21 +20,21 @@ pub(super) struct Prepared {
     pub(super) tile_noise: Vec<Option<FittedNoise>>,
 }
 
-/// A trial's scans before the first pass, and where its passes went.
+/// A trial's scan before the first pass, and the area of each pass.
 struct Surface<'a> {
     trial: &'a Trial,
-    /// Without spikes.
+    /// The scan without spikes.
     before: HeightMap,
     noise: ScanNoise,
     passes: Vec<Touched>,
 }
 
-/// Where a tool went up to a pass.
+/// Area that the tool may have touched up to a pass.
 struct Touched {
     path: ToolPath,
-    /// For each pixel, whether no tool came near it up to then.
+    /// For each pixel, true if no tool came near it up to then.
     free: Vec<bool>,
-    /// Of a tile [pixels].
+    /// Side of a tile [pixels].
     side: usize,
 }
 
@@ -45,7 +45,7 @@ impl Prepared {
     /// Prepares all scans.
     ///
     /// # Errors
-    /// The first trial whose noise is not known, or with a pass that shows nothing.
+    /// For the first trial whose noise is unknown, or with a pass that touches nothing.
     pub(super) fn new(trials: &[Trial]) -> Result<Self, EvidenceError> {
         let noise = ScanNoise::of_campaign(trials).map_err(|error| EvidenceError::NoData(error.to_string()))?;
         let surfaces: Vec<Surface> =
@@ -92,7 +92,7 @@ impl<'a> Surface<'a> {
         self.trial.passes.iter().any(|pass| matches!(pass.scan, PassScan::Heights(_)))
     }
 
-    /// The scans after the passes as data.
+    /// Converts the scans after the passes to data.
     fn views(&self, number: usize, noises: &[NoiseOfSide]) -> Result<Vec<ScanView>, EvidenceError> {
         let view = |(pass, touched): (usize, &Touched)| {
             let data = self.data(pass, number, noises)?;
@@ -125,7 +125,7 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Why the noise of tiles of a side [pixels] is not known.
+    /// Message on why the noise of tiles of a side [pixels] is unknown.
     fn no_noise(&self, side: usize) -> String {
         let (nx, ny) = TileGrid { pixels: self.noise.left.pixels, side }.shape();
         format!(
@@ -138,8 +138,9 @@ fn bad(trial: &Trial, what: String) -> EvidenceError {
     EvidenceError::NoData(format!("{}: {what}", trial.name))
 }
 
-/// Noise of the means of tiles of a side [pixels] by trial, from what is left of two scans of one surface, or else from the
-/// roughness of one. One instrument scans all trials: its noise has one shape, and a size for each trial.
+/// Noise of the means of tiles of a side [pixels] by trial, from the difference of two scans of one surface, or else
+/// from the roughness of one scan. One instrument scans all trials: its noise has one correlation function, and one
+/// amplitude per trial.
 fn noise_of_tiles(surfaces: &[Surface], side: usize) -> Vec<Option<FittedNoise>> {
     let coarse = |map: &HeightMap| TileGrid { pixels: map.pixels, side }.coarsened(&map.heights);
     let pairs = |surface: &&Surface| surface.noise.source != NoiseSource::OneScan;
@@ -156,7 +157,7 @@ fn noise_of_tiles(surfaces: &[Surface], side: usize) -> Vec<Option<FittedNoise>>
     surfaces.iter().map(of).collect()
 }
 
-/// Why a pass shows nothing.
+/// Message on why a pass shows nothing.
 fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
     let clearance = 1e3 * CLEARANCE;
     match least_gap(&trial.tool, path, &trial.scans.before) {
@@ -172,7 +173,7 @@ fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
     }
 }
 
-/// Smallest tile with which the touched area does not have too many.
+/// Smallest tile side at which the touched area does not exceed the limit of tiles.
 fn tile_side(free: &[bool], map: &HeightMap) -> usize {
     let touched = free.iter().filter(|free| !**free).count() as f64;
     ((touched / TILES_PER_SCAN as f64).sqrt().ceil() as usize)

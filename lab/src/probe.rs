@@ -1,4 +1,4 @@
-//! Trial values of an effect's parameters: where to look for it before anything is known.
+//! Probes: values of an effect's parameters for the first look.
 
 use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, Scale};
 
@@ -9,14 +9,14 @@ use crate::criteria::{
     PROBE_WIDE_LOW, PROBE_WIDE_MIDDLE, PROBE_WIDE_RATIO,
 };
 
-/// An effect added to a model, with the values at which to look.
+/// An effect added to a model, with the values to probe.
 #[derive(Clone)]
 pub struct Candidate {
     /// Name of the effect.
     pub name: String,
-    /// Name of its family: of the forms of one dependence, the first.
+    /// Name of its family: the first of the forms of one dependence.
     pub family: String,
-    /// The model with it, all amplitudes at null.
+    /// The model with the effect, all amplitudes at their null.
     pub model: CompiledModel,
     /// The effect's free parameters.
     pub coordinates: Vec<Coordinate>,
@@ -24,12 +24,12 @@ pub struct Candidate {
     pub probes: Vec<Vec<Probe>>,
 }
 
-/// Values at which an effect is tried.
+/// Parameter values at which an effect is tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// One value [SI] for each of the effect's free parameters.
     pub values: Vec<f64>,
-    /// The parameter that is off its null.
+    /// Index of the parameter that is off its null.
     pub amplitude: usize,
 }
 
@@ -37,7 +37,7 @@ impl Candidate {
     /// Adds an effect to a model.
     ///
     /// # Errors
-    /// When the model cannot be compiled with it.
+    /// If the model cannot be compiled with it.
     pub fn new(evidence: &dyn Evidence, model: &Model, effect: &Effect, library: &Library) -> Result<Self, ModelError> {
         let mut with = model.clone().with(&effect.name);
         if let Some(free) = &mut with.free {
@@ -66,7 +66,7 @@ impl Candidate {
         Ok(Self { name: effect.name.clone(), family: evidence.family(&effect.name), model, coordinates, probes })
     }
 
-    /// A middle value of each of its sizes, its shape as the library has it.
+    /// For each amplitude the middle probe, with the typical shape of the library.
     pub(super) fn typical(&self) -> impl Iterator<Item = &Probe> {
         let amplitudes = self.coordinates.iter().filter(|coordinate| coordinate.slot.null.is_some()).count();
         self.probes.iter().take(amplitudes).filter_map(|group| group.get(group.len() / 2))
@@ -82,7 +82,8 @@ impl Candidate {
     }
 }
 
-/// Amplitudes to try [SI]; on one side of the null only, for small effects of both signs look alike but for the sign.
+/// Amplitudes to try [SI], on one side of the null only: small effects of opposite sign differ in the sign of their
+/// change alone.
 fn tried(slot: &ParameterSlot) -> Vec<f64> {
     let [least, greatest] = slot.range;
     if slot.scale == Scale::Log {
@@ -98,7 +99,7 @@ fn tried(slot: &ParameterSlot) -> Vec<f64> {
     vec![if typical > greatest { 2.0 * null - typical } else { typical }]
 }
 
-/// All parameters' values with each shape parameter in turn away from its typical value.
+/// Sets of all parameters' values, in which one shape parameter in turn is off its typical value.
 fn shapes(coordinates: &[Coordinate], typical: &[f64]) -> Vec<Vec<f64>> {
     let mut all = vec![typical.to_vec()];
     for (k, coordinate) in coordinates.iter().enumerate().filter(|(_, c)| c.slot.null.is_none()) {

@@ -1,4 +1,4 @@
-//! Predictions of scans that a journal keeps.
+//! Journal of predictions of scans.
 
 use effects::CompiledModel;
 
@@ -7,13 +7,13 @@ use super::frame::FrameFreedom;
 use super::scans::ScanEvidence;
 use crate::model_origin;
 
-/// First byte of an entry: what follows is a result, or why there is none.
+/// First byte of an entry; the rest is a result, or the reason for which there is none.
 const MADE: u8 = 1;
 const FAILED: u8 = 0;
 
-/// What can be kept as bytes and comes back as the same numbers.
+/// A result that is kept as bytes and read back with identical numbers.
 pub(super) trait Kept: Sized {
-    /// Name of its kind.
+    /// Name of the kind of result.
     const NAME: &str;
     fn to_bytes(&self) -> Option<Vec<u8>>;
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
@@ -38,7 +38,7 @@ impl Kept for Vec<Agreement> {
 
     fn to_bytes(&self) -> Option<Vec<u8>> {
         let is_finite = |a: &Agreement| [a.rms, a.floor, a.noise, a.scale].iter().all(|value| value.is_finite());
-        // JSON has no other numbers.
+        // JSON cannot hold other numbers.
         self.iter().all(is_finite).then(|| serde_json::to_vec(self).ok())?
     }
 
@@ -48,7 +48,7 @@ impl Kept for Vec<Agreement> {
 }
 
 impl ScanEvidence<'_> {
-    /// What the journal holds, or else what `make` gives, which it then keeps.
+    /// Returns the entry of the journal, or else the result of `make`, which it then keeps.
     ///
     /// - `voxel_ratio`: voxel of the simulation over the usual one
     pub(super) fn remembered<T: Kept>(

@@ -1,4 +1,4 @@
-//! Data that are predicted in another way than their own, and are the same in all else.
+//! Data with another prediction, otherwise unchanged.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use nalgebra::DMatrix;
@@ -17,13 +17,13 @@ pub(super) trait Prediction: Sync {
     /// As [`Evidence::residuals`].
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
 
     /// As [`Totals::totals`].
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError>;
 }
 
@@ -31,7 +31,7 @@ pub(super) trait Prediction: Sync {
 pub(super) struct Repredicted<'a, P> {
     /// The data with their own prediction.
     pub(super) data: &'a dyn Totals,
-    /// The other one.
+    /// The other prediction.
     pub(super) prediction: P,
 }
 

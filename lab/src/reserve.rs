@@ -1,23 +1,23 @@
-//! Why an effect cannot be named alone, however much better than the others it fits.
+//! Reasons against naming an effect alone, however well it fits.
 
 use super::fit::Estimate;
 use super::suspect::Suspect;
 use crate::criteria::{INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 
-/// What keeps an effect from being named alone.
+/// Reason against naming an effect alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reserve {
-    /// The model with it has as many parameters as the data have conditions: nothing tests it.
+    /// The model with it has as many parameters as the data have conditions, so that no data test it.
     Saturated,
-    /// It has a value for each pass or scan: it describes what happened and does not explain it.
+    /// It has a value for each pass or scan: it describes the data and does not explain them.
     EachItsOwn,
-    /// The data do not fix its size, or the interval holds the size at which it does nothing.
+    /// The data do not determine its size, or its interval contains the null.
     Undetermined,
 }
 
 impl Reserve {
-    /// - `spread`: standard deviation of what the best model leaves, whitened
-    /// - `conditions`: that the data tell apart
+    /// - `spread`: standard deviation of the best model's whitened residuals
+    /// - `conditions`: number of conditions that the data distinguish
     pub(super) fn of(suspect: &Suspect, spread: f64, conditions: usize) -> Option<Self> {
         if suspect.fit.coordinates.len() >= conditions {
             return Some(Self::Saturated);
@@ -32,7 +32,7 @@ impl Reserve {
         (!is_sound).then_some(Self::Undetermined)
     }
 
-    /// For people.
+    /// Reason in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Saturated => "the model with it has as many parameters as these data have conditions",
@@ -44,13 +44,13 @@ impl Reserve {
     }
 }
 
-/// Whether the interval is narrower than a good part of what the library lists.
+/// Returns true if the interval is narrow compared with the library's range.
 fn is_finite(estimate: &Estimate) -> bool {
     let [least, greatest] = estimate.coordinate.listed();
     INTERVAL_SIGMAS * estimate.sigma <= NOT_IDENTIFIABLE_SHARE * (greatest - least)
 }
 
-/// Whether the interval leaves out the size at which the effect does nothing.
+/// Returns true if the interval excludes the null.
 fn excludes_null(estimate: &Estimate) -> bool {
     let coordinate = &estimate.coordinate;
     let away = |null: f64| (coordinate.from_value(estimate.value) - coordinate.from_value(null)).abs();

@@ -1,4 +1,4 @@
-//! What an effect changes beside what the base parameters can change already.
+//! Response of the data to an effect, without the part that the base parameters can explain.
 
 use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector, QR};
@@ -9,45 +9,45 @@ use super::fit::{Fit, robust_sum, weights};
 use super::probe::{Candidate, Probe};
 use crate::criteria::{DISTINCT_CHANGE_SHARE, EXTRAPOLATION_MOST, FOLLOWED_SIGMAS, FOLLOWED_STEPS};
 
-/// Takes out of data what the base parameters can explain.
+/// Projection of data on the orthogonal complement of the base parameters' derivatives.
 pub struct Projector {
     weights: DVector<f64>,
     base: Option<DMatrix<f64>>,
-    /// The base fit's residuals without what the base parameters can explain.
+    /// Projected residuals of the base fit.
     pub residuals: DVector<f64>,
 }
 
-/// What an effect changes at one probe.
+/// Response of the data to an effect at one probe.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// Where.
+    /// The probe.
     pub probe: Probe,
-    /// Change of the whitened residuals from null to probe, without what the base parameters can do.
+    /// Projected change of the whitened residuals from null to probe.
     pub change: DVector<f64>,
-    /// The change with the base parameters where they follow the effect as far as they can: what they do to an effect of this
-    /// size is not what they do to a small one.
+    /// The change after the base parameters have followed the effect as far as they can; their response to an effect of
+    /// this size may differ from that to a small one.
     pub followed: Vec<f64>,
-    /// How far they follow [coordinates]; empty where they stay.
+    /// Shift of the base parameters that follow [coordinates]; empty if they do not move.
     pub shift: Vec<f64>,
-    /// The change with the base parameters as they were.
+    /// The change at unchanged base parameters.
     pub raw: Vec<f64>,
-    /// Shares of the way from null to probe to which the change may be extrapolated, least and greatest.
+    /// Range of extrapolation of the change, as least and greatest multiple of the distance from null to probe.
     pub reach: [f64; 2],
 }
 
-/// A base fit that effects are looked at beside.
+/// A base fit beside which effects are looked at.
 #[derive(Clone, Copy)]
 pub struct Look<'a> {
     /// The data.
     pub evidence: &'a dyn Evidence,
     /// The fit.
     pub base: &'a Fit,
-    /// What the base parameters can explain.
+    /// Projection for its base parameters.
     pub projector: &'a Projector,
 }
 
 impl Projector {
-    /// From a base fit with its derivatives.
+    /// Builds the projection from a base fit with its derivatives.
     pub fn new(base: &Fit) -> Self {
         let weights = weights(&base.residuals);
         let mut jacobian = base.jacobian.clone();
@@ -61,7 +61,7 @@ impl Projector {
         projector
     }
 
-    /// Weighted data without what the base parameters can explain.
+    /// Weights data and projects them.
     pub fn project(&self, data: &[f64]) -> DVector<f64> {
         self.strip(DVector::from_column_slice(data).component_mul(&self.weights))
     }
@@ -75,7 +75,7 @@ impl Projector {
     }
 }
 
-/// Shares of the way from a null to a probed value that stay within a parameter's range and near the probe.
+/// Range of multiples of the distance from null to probed value, within the parameter's range and near the probe.
 fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
     let [least, greatest] = coordinate.reach();
     let null = coordinate.slot.null.unwrap_or(0.0);
@@ -89,32 +89,32 @@ fn reach(coordinate: &Coordinate, probed: f64) -> [f64; 2] {
 }
 
 impl Response {
-    /// Whether anything is left of the change beside the base parameters' changes.
+    /// Returns true if the change is distinct from the changes by base parameters.
     pub fn is_distinct(&self) -> bool {
         let raw = self.raw.iter().map(|x| x * x).sum::<f64>().sqrt();
         self.change.norm() > DISTINCT_CHANGE_SHARE * raw && self.change.norm() > 0.0
     }
 
-    /// Share of the way from null to probe at which the sum of squares were least if the effect went on as to the probe.
+    /// Multiple of the distance from null to probe at which χ² is least in a linear extrapolation.
     pub(super) fn wanted(&self, residuals: &DVector<f64>) -> f64 {
         let square = self.change.norm_squared();
         if square == 0.0 { 0.0 } else { -self.change.dot(residuals) / square }
     }
 
-    /// Share of the way from null to probe, within its reach, at which the sum of squares is least, and its fall.
+    /// The same within the reach, and the fall of χ² there.
     pub fn optimum(&self, residuals: &DVector<f64>) -> (f64, f64) {
         let share = self.wanted(residuals).clamp(self.reach[0], self.reach[1]);
         (share, -2.0 * share * self.change.dot(residuals) - share * share * self.change.norm_squared())
     }
 
-    /// How far its optimum is from the probe, in ratios; infinite where that is the null.
+    /// Ratio by which its optimum is off the probe; infinite if the optimum is at the null.
     pub(super) fn extrapolation(&self, residuals: &DVector<f64>) -> f64 {
         if self.optimum(residuals).0 == 0.0 { f64::INFINITY } else { self.wanted(residuals).abs().ln().abs() }
     }
 }
 
 impl Look<'_> {
-    /// What an effect changes at a probe, first beside the base parameters as they are, then where they follow it; `None` where
+    /// Simulates an effect at a probe, first with unchanged base parameters, then with those that follow it; `None` if
     /// it cannot be simulated.
     pub(super) fn at(&self, candidate: &Candidate, probe: &Probe) -> Option<Response> {
         let seen = |shift: &[f64]| {
@@ -139,7 +139,7 @@ impl Look<'_> {
     }
 }
 
-/// A model with the parameters of a fit shifted from where the fit has them; the shift of those at the end may be left out.
+/// Returns a model with the parameters of a fit shifted from their fitted values; trailing shifts may be omitted.
 pub(super) fn shifted(mut model: CompiledModel, fit: &Fit, shift: &[f64]) -> CompiledModel {
     let coordinates = Coordinate::of(&model, |_| true);
     for ((own, at), shift) in fit.coordinates.iter().zip(&fit.at).zip(shift) {

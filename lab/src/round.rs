@@ -1,4 +1,4 @@
-//! One search: every effect of the library tried beside a fitted model, the best fitted and weighed.
+//! One search: every effect of the library is tried beside a fitted model, and the best are fitted and weighed.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -20,8 +20,8 @@ use super::suspect::suspects;
 use super::verdict::{Searched, Standing, least_size};
 use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
 
-/// Of the forms of each dependence, lets the one that predicts best stand for all: it is as likely as they are on average.
-/// A form that is admissible goes before one that is not.
+/// Lets the best-predicting form of each dependence represent the family, at the mean likelihood of all its forms. An
+/// admissible form is preferred.
 pub(super) fn share_odds(findings: &mut [Finding]) {
     let rank =
         |finding: &Finding| (finding.is_admissible && !finding.suspect.is_on_bound(), finding.prediction.total());
@@ -41,15 +41,15 @@ pub(super) fn share_odds(findings: &mut [Finding]) {
 /// One search for a missing effect.
 #[derive(Clone)]
 pub struct Round {
-    /// The model searched from, fitted.
+    /// Fit of the model that the search starts from.
     pub base: Fit,
     /// Its agreement with the calibration data.
     pub calibration: Vec<Agreement>,
     /// Its agreement with the held-out data; empty until the search has ended.
     pub evaluation: Vec<Agreement>,
-    /// Prediction of each fold of the calibration data by the base model.
+    /// Cross-validated prediction by the base model.
     pub prediction: Prediction,
-    /// Root mean square of what the closure explains beside it, in the data's unit.
+    /// Root mean square of the part that the closure explains beside it, in the data's unit.
     pub closed: f64,
     /// All effects, by name.
     pub screened: Vec<Screened>,
@@ -57,9 +57,10 @@ pub struct Round {
     pub findings: Vec<Finding>,
     /// Probability that none of them is the cause.
     pub none: f64,
-    /// Standard deviation of what the best model leaves, whitened.
+    /// Standard deviation of the best model's whitened residuals.
     pub spread: f64,
-    /// True if its best effect was found in a pair with that of the next search: alone it need not be an adequate fit.
+    /// True if its best effect was found as a pair with that of the next search; then it need not be an adequate fit
+    /// alone.
     pub is_half: bool,
     /// Seed of all draws.
     pub(super) seed: u64,
@@ -67,7 +68,7 @@ pub struct Round {
 
 impl Round {
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn new(
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
@@ -107,7 +108,7 @@ impl Round {
         Ok(Self { screened, ..Self::weighed(evidence, (base, calibration, prediction), (findings, spread), seed) })
     }
 
-    /// From a base model with its agreement and prediction, and the effects that were fitted beside it.
+    /// Builds the search from a base model with its agreement and prediction, and the effects fitted beside it.
     pub(super) fn weighed(
         evidence: &dyn Evidence,
         (base, calibration, prediction): (Fit, Vec<Agreement>, Prediction),
@@ -132,8 +133,8 @@ impl Round {
         round
     }
 
-    /// Probabilities of the effects that are large and sure enough, and of none of them. An effect that hits its
-    /// upper bound shows that something is there which none of the others describes.
+    /// Computes the probabilities of the admissible effects and of none of them. An effect that hits its upper bound
+    /// counts for "none of them": something acts that no other effect describes.
     fn weigh(&mut self) {
         let [none, probabilities @ ..] = &self.probabilities(|finding| finding.is_admissible)[..] else { return };
         self.none = *none;
@@ -150,7 +151,7 @@ impl Round {
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
     }
 
-    /// Probability of no effect, then of each that is let in.
+    /// Probability of no effect, then of each effect that `lets_in` accepts.
     fn probabilities(&self, lets_in: impl Fn(&Finding) -> bool) -> Vec<f64> {
         let densities = |finding: &Finding| match lets_in(finding) {
             true => finding.prediction.densities.clone(),
@@ -164,16 +165,16 @@ impl Round {
         probabilities(&densities, &priors, self.seed)
     }
 
-    /// The model searched from, as a link of a chain of searches.
+    /// Returns the base model as an element of a chain of searches.
     pub fn as_searched(&self) -> Searched {
         let (calibration, evaluation) = (self.calibration.clone(), self.evaluation.clone());
         Searched { calibration, evaluation, closed: self.closed, probability: 1.0 }
     }
 
-    /// Opens the held-out data for the model searched from and the effect that was found.
+    /// Opens the held-out data for the base model and the effect that was found.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub(super) fn open_held_out(&mut self, evidence: &dyn Evidence) -> Result<(), EvidenceError> {
         self.evaluation = evidence.agreement(&self.base.model, Split::Evaluation)?;
         let found = self.nameable().map(|found| evidence.agreement(&found.suspect.fit.model, Split::Evaluation));
@@ -183,22 +184,22 @@ impl Round {
         Ok(())
     }
 
-    /// The model searched from, as it stands.
+    /// Errors of the base model.
     pub(super) fn standing(&self) -> Standing<'_> {
         Standing { calibration: &self.calibration, evaluation: &self.evaluation, closed: self.closed }
     }
 
-    /// The most probable effect that is large and sure enough.
+    /// The most probable admissible effect.
     pub fn best(&self) -> Option<&Finding> {
         self.findings.first().filter(|finding| finding.is_admissible && finding.probability > 0.0)
     }
 
-    /// The best, unless most likely none of the effects is the cause.
+    /// The best effect, unless it is most probable that none of the effects is the cause.
     pub(super) fn nameable(&self) -> Option<&Finding> {
         self.best().filter(|_| self.is_half || self.none < NONE_MOST)
     }
 
-    /// The effect that shows and no other like it, where it is too small to be named.
+    /// The one effect that is significant and distinguishable but too small to be named.
     pub fn hint(&self) -> Option<&Finding> {
         let is_real = |finding: &Finding| finding.size > 0.0;
         let probabilities = self.probabilities(is_real);
@@ -222,14 +223,14 @@ impl Round {
         self.findings.iter().filter(is_other).filter(|finding| self.is_near(finding)).collect()
     }
 
-    /// True of an effect that may be part of a pair: of the forms of a dependence, the one that stands for them.
+    /// True for an effect that may be part of a pair: one that represents its family.
     pub(super) fn stands(&self, screened: &Screened) -> bool {
         let Candidate { name, family, .. } = &screened.candidate;
         let form = self.findings.iter().find(|finding| finding.family() == family && finding.share > 0.0);
         form.map_or(name == family, |form| form.suspect.name() == name)
     }
 
-    /// The size from which an effect beside this model is named, in the data's unit.
+    /// Least size at which an effect beside this model is named, in the data's unit.
     pub fn least_size(&self) -> f64 {
         least_size(&self.calibration)
     }

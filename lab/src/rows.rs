@@ -1,4 +1,4 @@
-//! The rows of a table as data: what each removed against what a model predicts of it.
+//! Rows of a table as data: measured removals compared with predictions.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 
@@ -18,7 +18,7 @@ use trials::measure::{centre_and_sigma, median};
 use trials::table::Table;
 use trials::trial::Role;
 
-/// Rounds in which the gain of a group is found.
+/// Most iterations for the gain of a group.
 const LOCATION_ROUNDS: usize = 30;
 
 /// A row that does not fit the others.
@@ -36,9 +36,9 @@ pub struct RowEvidence<'a> {
     pub table: &'a Table,
     /// Standard deviation of the logarithm of a row's removal.
     pub noise: f64,
-    /// The same with the uncertainty of the noise: what a model that lacks nothing leaves of calibration rows at most.
+    /// The same with the uncertainty of the noise: upper limit of the calibration residual of a complete model.
     noise_limit: f64,
-    /// What was assumed, one sentence each.
+    /// Assumptions, one sentence each.
     pub notes: Vec<String>,
     /// Rows with a removal, by split.
     calibration: Vec<usize>,
@@ -48,10 +48,10 @@ pub struct RowEvidence<'a> {
 }
 
 impl<'a> RowEvidence<'a> {
-    /// Makes the rows of a table data. What evaluation rows removed is looked at only for their own residuals.
+    /// Converts the rows of a table to data. Removals of evaluation rows are used only for their own residuals.
     ///
     /// # Errors
-    /// A table without rows that calibrate.
+    /// If the table has no calibration rows.
     pub fn new(table: &'a Table) -> Result<Self, EvidenceError> {
         let of = |role: Role| -> Vec<usize> {
             let takes = |&at: &usize| table.rows[at].role == role && table.rows[at].removal_rate.is_some();
@@ -67,7 +67,7 @@ impl<'a> RowEvidence<'a> {
         Ok(evidence)
     }
 
-    /// Places among [`Table::rows`] of a split's residuals.
+    /// Indices in [`Table::rows`] of a split's residuals.
     pub fn of(&self, split: Split) -> &[usize] {
         match split {
             Split::Calibration => &self.calibration,
@@ -75,23 +75,23 @@ impl<'a> RowEvidence<'a> {
         }
     }
 
-    /// Predicted removal rate of every row of the table, as [`trials::table::Row::removal_rate`]. Effects that rows cannot
-    /// show are left out.
+    /// Predicted removal rate of every row of the table, as [`trials::table::Row::removal_rate`]. Effects that rows
+    /// cannot show are left out.
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// If a formula gives no finite number.
     pub fn predicted(&self, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
         let model = silenced(self.table, model);
         Rows::new(self.table, &model).predicted().map_err(|error| EvidenceError::NoData(error.to_string()))
     }
 
-    /// The rows of a split whose residuals are far beyond noise: a fit's robust sum keeps them from leading it.
+    /// The rows of a split whose residuals far exceed noise; the robust sum of a fit limits their influence.
     pub fn outliers(&self, residuals: &[f64], split: Split) -> Vec<Outlier> {
         let row = |(&at, &residual): (&usize, &f64)| Outlier { line: self.table.rows[at].line, residual };
         self.of(split).iter().zip(residuals).map(row).filter(|row| row.residual.abs() > OUTLIER_SIGMAS).collect()
     }
 
-    /// Logarithm of measured over predicted for the rows of a split.
+    /// Log ratio of measured to predicted removal for the rows of a split.
     fn differences(&self, predicted: &[f64], split: Split) -> Vec<f64> {
         let least = PREDICTION_LEAST_SHARE * self.middle;
         let difference = |&at: &usize| {
@@ -101,7 +101,7 @@ impl<'a> RowEvidence<'a> {
         self.of(split).iter().map(difference).collect()
     }
 
-    /// The gain of each group in calibration rows; of a group without one, in its own rows of the split.
+    /// Log gain of each group from calibration rows; for a group without any, from its own rows of the split.
     fn gains(&self, (predicted, split): (&[f64], Split)) -> Vec<f64> {
         if self.table.groups.len() < 2 {
             return vec![0.0; self.table.groups.len()];
@@ -120,8 +120,9 @@ impl<'a> RowEvidence<'a> {
         (0..self.table.groups.len()).map(gain).collect()
     }
 
-    /// What the prior of each group's gain adds to each whitened residual of its calibration rows: a constant is orthogonal
-    /// to what a gain leaves, and all rows together have the prior's square.
+    /// Contribution of the prior of each group's gain to each whitened residual of its calibration rows. It is a
+    /// constant over the group, orthogonal to the residuals after the gain, and its sum of squares is that of the
+    /// prior.
     fn priors(&self, gains: &[f64], split: Split) -> Vec<f64> {
         let rows = |group: usize| self.calibration.iter().filter(|at| self.table.rows[**at].group == group).count();
         let own = |(group, gain): (usize, &f64)| match split {
@@ -132,7 +133,7 @@ impl<'a> RowEvidence<'a> {
     }
 }
 
-/// Location of values of which those beyond a cut count linearly (Huber 1964).
+/// Huber's estimate of location: values beyond a cut count linearly (Huber 1964).
 fn location(values: &[f64], cut: f64) -> f64 {
     let first = median(values.to_vec()).unwrap_or(0.0);
     (0..LOCATION_ROUNDS).fold(first, |at, _| {
@@ -142,8 +143,8 @@ fn location(values: &[f64], cut: f64) -> f64 {
     })
 }
 
-/// Whitened residuals without gross outliers: those far beyond noise and far beyond all others. Where a model is wrong
-/// all residuals are large, and none of them is an outlier.
+/// Whitened residuals without gross outliers, which far exceed both the noise and all other residuals. Where a model is
+/// wrong all residuals are large, and none of them is an outlier.
 fn without_outliers(residuals: &[f64]) -> Vec<f64> {
     let (middle, spread) = centre_and_sigma(residuals).unwrap_or_default();
     let is_outlier = |r: f64| r.abs() > OUTLIER_SIGMAS && (r - middle).abs() > GROSS_RESIDUAL_SIGMAS * spread;

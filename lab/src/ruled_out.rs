@@ -1,4 +1,4 @@
-//! Why an effect that was fitted is out, and which effects are still in play.
+//! Reasons against fitted effects, and the effects that are still in play.
 
 use super::diagnose::Diagnosis;
 use super::evidence::ErrorUnit;
@@ -7,7 +7,8 @@ use super::round::Round;
 use crate::criteria::{NAMED_PROBABILITY, SIGNIFICANCE_LEVEL};
 
 impl Round {
-    /// Why a fitted effect is out, in words; `None` for the best one and for those that the data cannot tell from it.
+    /// Reason against a fitted effect, in words; `None` for the best one and for those that the data cannot distinguish
+    /// from it.
     pub fn ruled_out(&self, finding: &Finding, unit: ErrorUnit) -> Option<String> {
         let reasons = if finding.is_admissible {
             self.beaten(finding).into_iter().collect()
@@ -17,7 +18,7 @@ impl Round {
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 
-    /// Why an effect is not large and sure enough to be weighed.
+    /// Reasons for which an effect is not admissible.
     fn inadmissible(&self, finding: &Finding, unit: ErrorUnit) -> Vec<String> {
         let mut reasons = Vec::new();
         if finding.suspect.is_null() {
@@ -34,7 +35,7 @@ impl Round {
         reasons
     }
 
-    /// Why an effect that is large and sure enough is not the one named.
+    /// Reason for which an admissible effect is not the one named.
     fn beaten(&self, finding: &Finding) -> Option<String> {
         if finding.suspect.is_on_bound() && !self.is_half {
             return Some("its best size lies beyond its range".to_owned());
@@ -53,7 +54,7 @@ impl Round {
         Some(format!("it predicts data left out of the fit worse than {name}: their log density is {behind:.1} less"))
     }
 
-    /// The best effect and the most probable one that is still in play beside it: no verdict decides between them.
+    /// The best effect and the most probable one that no verdict rules out beside it.
     fn in_play(&self) -> Option<[&Finding; 2]> {
         let best = self.best().filter(|best| best.probability < NAMED_PROBABILITY)?;
         let second = self.look_alikes().into_iter().next()?;
@@ -67,7 +68,7 @@ impl Diagnosis {
         self.rounds.iter().rev().find(|round| round.best().is_some())?.in_play()
     }
 
-    /// The effect that was found last, and the search that found it.
+    /// The last search that found an effect, and this effect.
     pub fn last_found(&self) -> Option<(&Round, &Finding)> {
         let found = *self.found().last()?;
         let is_its = |round: &&Round| round.nameable().is_some_and(|own| std::ptr::eq(own, found));

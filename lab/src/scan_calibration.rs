@@ -1,4 +1,4 @@
-//! A model calibrated against scans, which learn from it what their simulation errs by.
+//! Calibration against scans, which then hold the simulation errors near the calibrated model.
 
 use effects::{CompiledModel, Library, Model, Process};
 
@@ -15,11 +15,12 @@ use crate::criteria::{COARSE_VOXEL_RATIO, SIMULATION_LEAST_STEPS, SIMULATION_STE
 use trial_simulation::CampaignSimulation;
 
 impl<'a> ScanEvidence<'a> {
-    /// Measures what the simulation's lattice errs by near a model, and finds the spikes that rims have hidden. From then on the
-    /// lattice's error counts as one of the data, and the spikes do not count. Sanding leaves the surface as it was, and has none.
+    /// Measures the lattice error of the simulation near a model, and finds the spikes that rims have hidden. From then
+    /// on the lattice error is a degree of freedom of the data, and the spikes are left out. Sanding does not move the
+    /// surface, and has no lattice error.
     ///
     /// # Errors
-    /// When the model cannot be simulated on a lattice twice as fine.
+    /// If the model cannot be simulated on a lattice twice as fine.
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.frame = None;
         if self.process() == Process::Sanding {
@@ -38,7 +39,7 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Calibrates a model and those that it grew from: first roughly, then with what the lattice errs by there.
+    /// Calibrates a model and the smaller models on the way to it: first roughly, then with the lattice error there.
     ///
     /// - `models`: the model, and its base law before any fit
     /// - `done`: called after each fit with its name
@@ -59,16 +60,16 @@ impl<'a> ScanEvidence<'a> {
         }
         let rough = fit_roughly(self, &compiled)?;
         self.measure_simulation_errors(&rough.model)?;
-        // A fit that is far off says little about where the next should begin.
+        // A poor fit is no good start for the next one.
         let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
         let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
         self.renewed(calibration)
     }
 
-    /// A calibration taken further, with what the lattice errs by at its best values.
+    /// Continues a calibration with the lattice error at its best values.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
         if self.process() == Process::Sanding {
             return Ok(calibration);
@@ -78,10 +79,10 @@ impl<'a> ScanEvidence<'a> {
         calibration.renewed(self)
     }
 
-    /// Simulates a model once, and gives up every later simulation that takes far longer.
+    /// Simulates a model once, and from then on abandons simulations that take far more steps.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
@@ -90,7 +91,7 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Limits the steps of simulations, and makes the same trials on the coarser lattice.
+    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
     pub(super) fn prepare_lattices(&mut self) {
         self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
         let limit = |simulation: &mut CampaignSimulation<'a>| {

@@ -32,23 +32,23 @@ use trial_simulation::{SimulatedPass, Simulation};
 use trials::measure::ScanNoise;
 use trials::trial::{PassScan, Trial};
 
-/// One scan and where it belongs.
+/// One scan with its trial and pass.
 pub struct ScanView {
-    /// Trial and pass, from 0.
+    /// Index of the trial.
     pub trial: usize,
-    /// Pass of it.
+    /// Index of the pass in the trial.
     pub pass: usize,
-    /// Whether fits may see it.
+    /// The split that it belongs to.
     pub split: Split,
     /// The scan as data.
     pub data: ScanData,
 }
 
-/// What a scan shows.
+/// Content of a scan.
 pub enum ScanData {
-    /// A ground surface.
+    /// Heights of a ground surface.
     Heights(Box<HeightView>),
-    /// Where sanding went through the coating.
+    /// Mask of the pixels at which sanding went through the coating.
     Exposure(Box<ExposureView>),
 }
 
@@ -61,7 +61,7 @@ impl ScanData {
         }
     }
 
-    /// A field of the tiles [m], whitened.
+    /// Whitens a field of the tiles [m].
     pub(super) fn whitened_field(&self, field: &[f64]) -> Vec<f64> {
         match self {
             Self::Heights(view) => view.whitener().whitened_field(field),
@@ -69,7 +69,8 @@ impl ScanData {
         }
     }
 
-    /// The change of the tiles [m] behind a change of the whitened ones, without what the scan's degrees of freedom take up of it.
+    /// Change of the tiles [m] for a change of the whitened ones, without the part that the scan's degrees of freedom
+    /// absorb.
     fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         match self {
             Self::Heights(view) => view.unwhitened(change),
@@ -80,37 +81,36 @@ impl ScanData {
 
 /// All scans of a campaign.
 pub struct ScanEvidence<'a> {
-    /// The trials, ready to be simulated.
+    /// The trials, prepared for simulation.
     pub simulation: CampaignSimulation<'a>,
     /// Scans in order of time.
     pub views: Vec<ScanView>,
-    /// Noise of one scan by trial, and where it is seen.
+    /// Noise of one scan by trial, with its source.
     pub noise: Vec<ScanNoise>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
-    /// How simulated surfaces are seen; `None` where every model finds its own observation.
+    /// Observation of simulated surfaces; `None` if each model determines its own.
     pub observation: Option<Observation>,
-    /// The same trials on a coarser lattice, once it is known how many steps a simulation may take; `None` where the tool
-    /// is too small for it.
+    /// The same trials on a coarser lattice, once the step limit is known; `None` if the tool is too small for it.
     pub(super) coarse: Option<CampaignSimulation<'a>>,
-    /// Steps of a pass beyond which a simulation is given up.
+    /// Number of steps of a pass beyond which a simulation is abandoned.
     pub(super) most_steps: Option<usize>,
-    /// What the simulation's lattice errs by, once it was measured.
+    /// Errors of the simulation, once measured.
     pub simulation_errors: Option<SimulationErrors>,
-    /// Robot's frame and clock, where the logs were moved and once it is known how the scans change with them.
+    /// Frame and clock, if the logs were moved and the response of the scans to them is known.
     pub frame: Option<FrameFreedom>,
-    /// Predictions that were made before; `None` makes each again.
+    /// Journal of earlier predictions; `None` computes each again.
     pub journal: Option<Journal>,
 }
 
 impl<'a> ScanEvidence<'a> {
     /// Prepares all scans.
     ///
-    /// - `voxel`: of the simulation [m]; `None` takes the scan's pitch when grinding and up to four times that when sanding,
-    ///   where the surface stays and the pressure under a pad is smooth
+    /// - `voxel`: voxel of the simulation [m]; `None` takes the scan's pitch when grinding and up to four times that
+    ///   when sanding, where the surface stays and the pressure under a pad is smooth
     ///
     /// # Errors
-    /// When a trial makes no part, or has no scan that can be used.
+    /// If a trial makes no part, or has no scan that can be used.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
         let sands = trials.iter().all(|trial| trial.process == Process::Sanding);
         let pitch = |trial: &Trial| trial.scans.before.pixels.pitch;
@@ -134,7 +134,7 @@ impl<'a> ScanEvidence<'a> {
         })
     }
 
-    /// Where the noise of trials without a repeated scan comes from, a sentence each.
+    /// Sources of the noise of trials without a repeated scan, one sentence each.
     pub fn noise_notes(&self) -> Vec<String> {
         let trials = self.simulation.trials.iter().zip(&self.noise);
         let words = |(simulation, noise): (&Simulation, &ScanNoise)| {
@@ -148,7 +148,7 @@ impl<'a> ScanEvidence<'a> {
         self.views.iter().filter(move |view| view.split == split)
     }
 
-    /// Passes of each trial that must be simulated to predict a split.
+    /// Number of passes of each trial that must be simulated to predict a split.
     pub(super) fn needed(&self, split: Split) -> Vec<usize> {
         let trials = &self.simulation.trials;
         let mut needed = vec![0; trials.len()];
@@ -163,10 +163,10 @@ impl<'a> ScanEvidence<'a> {
         needed
     }
 
-    /// Simulates what a split needs, and what the observation is found from.
+    /// Simulates the passes that a split needs, and those that determine the observation.
     ///
     /// # Errors
-    /// The first trial that fails.
+    /// For the first trial that fails.
     pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
         let observation = if self.observation.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
         let needed =
@@ -203,7 +203,7 @@ impl<'a> ScanEvidence<'a> {
         self.of(split).map(agreement).collect()
     }
 
-    /// Why an effect reads what the files do not give.
+    /// Message on a column that an effect reads and the files lack.
     fn lacks_column(&self, effect: &Effect) -> Option<String> {
         let trials = self.simulation.trials.iter().map(|simulation| simulation.trial);
         let mut lacking = trials.filter_map(|trial| Some((trial, lacking(trial, effect)?)));
@@ -211,7 +211,7 @@ impl<'a> ScanEvidence<'a> {
         Some(format!("reads column {}, which {} does not give in each row and in its unit", state.name, trial.name))
     }
 
-    /// Ranges of the residuals of each scan of a split.
+    /// Index ranges of the residuals of each scan of a split.
     pub fn ranges(&self, split: Split) -> Vec<Range<usize>> {
         let mut start = 0;
         let range = |view: &ScanView| {

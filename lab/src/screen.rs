@@ -1,5 +1,4 @@
-//! A first look at every effect of the library: what it would change, beside what the base parameters can change
-//! already.
+//! First look at every effect of the library: its response beside the base parameters.
 
 use effects::Scale;
 use nalgebra::{DMatrix, DVector};
@@ -18,13 +17,13 @@ use crate::criteria::{
 pub struct Screened {
     /// The effect.
     pub candidate: Candidate,
-    /// All probes that could be simulated, group by group; where none of a group is apt, with one that is.
+    /// All probes that could be simulated, group by group; further probes are added to a group without a suitable one.
     pub responses: Vec<Vec<Response>>,
     /// Expected fall of the sum of squares.
     pub delta_chi2: f64,
-    /// The values at which it is expected [SI].
+    /// Parameter values at which it is expected [SI].
     pub best: Vec<f64>,
-    /// How far the base parameters are expected to follow [coordinates]; empty where they stay.
+    /// Expected shift of the base parameters [coordinates]; empty if they do not move.
     pub shift: Vec<f64>,
 }
 
@@ -57,7 +56,7 @@ impl Screened {
         screened
     }
 
-    /// Looks at larger sizes as long as the data promise to want the effect larger than all that were looked at.
+    /// Adds probes of larger size as long as the data favour a size beyond all of them.
     fn go_farther(&self, look: &Look, group: &mut Vec<Response>) {
         let residuals = &look.projector.residuals;
         for _ in 0..LARGER_PROBES {
@@ -76,7 +75,7 @@ impl Screened {
         }
     }
 
-    /// Whether a probe is none of a group.
+    /// Returns true if a probe is distinct from all of a group.
     fn is_apart(&self, group: &[Response], probe: &Probe) -> bool {
         let k = probe.amplitude;
         let null = self.candidate.coordinates[k].slot.null.filter(|null| null.is_finite()).unwrap_or(0.0);
@@ -84,7 +83,7 @@ impl Screened {
         group.iter().all(|response| apart(response.probe.values[k]))
     }
 
-    /// Where to look again if no probe of a group changes about as much as wanted.
+    /// A further probe, if no probe of a group causes a change of about the wanted size.
     fn apter(&self, group: &[Response], wanted: f64) -> Option<Probe> {
         let share = |response: &&Response| wanted / response.change.norm();
         let off = |response: &&Response| share(response).ln().abs();
@@ -97,12 +96,12 @@ impl Screened {
         self.is_apart(group, &probe).then_some(probe)
     }
 
-    /// Whether any probe could be simulated.
+    /// Returns true if any probe could be simulated.
     pub fn is_simulated(&self) -> bool {
         self.responses.iter().any(|group| !group.is_empty())
     }
 
-    /// Finds the expected best values: the best of single amplitudes, or all amplitudes of one shape together.
+    /// Finds the expected best values: of the best single amplitude, or of all amplitudes of one shape together.
     fn choose(&mut self, residuals: &DVector<f64>) {
         for response in self.responses.iter().filter_map(|group| aptest(group, residuals)) {
             let (share, delta_chi2) = response.optimum(residuals);
@@ -119,7 +118,7 @@ impl Screened {
         }
     }
 
-    /// The same changes seen beside another fit.
+    /// The same responses projected for another fit.
     pub(super) fn beside(mut self, projector: &Projector) -> Self {
         for response in self.responses.iter_mut().flatten() {
             response.change = projector.project(&response.followed);
@@ -129,7 +128,8 @@ impl Screened {
         self
     }
 
-    /// The same, then with the best values of each other shape that promises nearly as much, the most promising first.
+    /// Starting values of fits: the best values, then those of each other shape of nearly the same expected Δχ², in
+    /// descending order.
     pub(super) fn starts(&self, residuals: &DVector<f64>) -> Vec<Self> {
         let single = self.responses.iter().filter_map(|group| {
             let response = aptest(group, residuals)?;
@@ -145,14 +145,14 @@ impl Screened {
         std::iter::once(self.clone()).chain(starts.into_iter().map(|(_, start)| start)).collect()
     }
 
-    /// With the values at a share of the way from null to a probe as its best.
+    /// The same with the values at a multiple of the distance from null to a probe as its best.
     pub(super) fn moved_to(self, response: &Response, share: f64) -> Self {
         let shift = response.shift.iter().map(|shift| share * shift).collect();
         Self { best: self.along(response, share), shift, ..self }
     }
 
-    /// Values at a share of the way from null to a probe. An amplitude in ratios with an infinite null is a rate turned
-    /// upside down: its reciprocal goes the way.
+    /// Values at a multiple of the distance from null to a probe. For a ratio with an infinite null the reciprocal is
+    /// interpolated.
     fn along(&self, response: &Response, share: f64) -> Vec<f64> {
         let mut values = response.probe.values.clone();
         let k = response.probe.amplitude;
@@ -163,8 +163,8 @@ impl Screened {
         values
     }
 
-    /// Derivative of the whitened residuals along the effect's coordinate `k` at the best values, from the nearest probe of
-    /// that amplitude; `None` for a parameter of shape.
+    /// Derivative of the whitened residuals along the effect's coordinate `k` at the best values, from the nearest
+    /// probe of that amplitude; `None` for a shape parameter.
     pub fn slope(&self, k: usize) -> Option<DVector<f64>> {
         let distance = |response: &&Response| -> f64 {
             let coordinates = self.candidate.coordinates.iter().zip(response.probe.values.iter().zip(&self.best));
@@ -197,7 +197,7 @@ impl Screened {
         groups.filter(move |(_, probes)| is_typical(probes)).map(|(group, _)| &group[..])
     }
 
-    /// All amplitudes of the typical shape at once, by least squares over the aptest probe of each.
+    /// All amplitudes of the typical shape together, by least squares over the most suitable probe of each.
     fn together(&self, residuals: &DVector<f64>) -> Option<(Vec<f64>, Vec<f64>, f64)> {
         let columns: Vec<&Response> = self.typical().filter_map(|group| aptest(group, residuals)).collect();
         if columns.len() < 2 {

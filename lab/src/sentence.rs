@@ -7,7 +7,7 @@ use super::summary::{EffectSummary, parameter_summary, significant};
 use super::verdict::Verdict;
 use crate::criteria::NEAREST_SHARE;
 
-/// A hint in words: what shows, how large it is, and what would make sure.
+/// Sentence on a hint: the effect, its size, and the size at which it would be named.
 fn hint_words((hint, least): (&Finding, f64), diagnosis: &Diagnosis, unit: ErrorUnit) -> String {
     let name = hint.suspect.name();
     let estimates = hint.suspect.fit.estimates(diagnosis.rounds[0].spread);
@@ -59,7 +59,7 @@ fn with_values(effect: &EffectSummary) -> String {
     format!("{}: {}", effect.name, values.join("; "))
 }
 
-/// The effect that comes nearest to what is missing, where it explains a good part of it.
+/// Phrase on the effect that comes nearest, if it explains a good part of the misfit.
 fn nearest(diagnosis: &Diagnosis) -> String {
     let Some(first) = diagnosis.rounds.first() else { return String::new() };
     let excess = first.base.chi2 - first.base.residuals.len() as f64;

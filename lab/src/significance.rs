@@ -1,4 +1,4 @@
-//! Largest Δχ² that noise alone would give the luckiest of all effects, and what few data leave of a Δχ².
+//! Null distribution of the largest Δχ² over all effects, and p-values from it.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -11,21 +11,21 @@ use super::response::{Projector, Response};
 use super::screen::Screened;
 use crate::criteria::{DEPENDENT_SHARE, SIGN_FLIP_DRAWS};
 
-/// Draws of noise searched for effects.
+/// Draws of noise, each searched for effects.
 pub struct NullDraws {
     /// The largest Δχ² over all effects in each draw, in rising order.
     largest: Vec<f64>,
-    /// Effects that were tried.
+    /// Number of effects that were tried.
     tried: usize,
 }
 
-/// Draws of noise searched as the data are (Westfall and Young 1993).
+/// Draws noise and searches it as the data are searched (Westfall and Young 1993).
 ///
-/// A draw flips the signs of whole blocks of the residuals that the best model leaves (wild bootstrap, Wu 1986): what
-/// neighbours share stays, and so does all that the simulation itself does a little wrong.
+/// A draw flips the signs of whole blocks of the best model's residuals (wild bootstrap, Wu 1986): this preserves
+/// correlations within a block and errors of the simulation itself.
 ///
 /// - `left`: whitened residuals of the best model
-/// - `blocks`: block of each
+/// - `blocks`: block number of each
 pub fn null_delta_chi2(
     projector: &Projector,
     screened: &[Screened],
@@ -40,7 +40,7 @@ pub fn null_delta_chi2(
     NullDraws::new((left, blocks), seed, tried, search)
 }
 
-/// All that an effect of several amplitudes can change at once, as an orthonormal basis.
+/// Orthonormal basis of all changes that an effect of several amplitudes can cause.
 fn space(screened: &Screened) -> Option<DMatrix<f64>> {
     let last = |group: &[Response]| group.iter().rfind(|response| response.is_distinct()).map(|r| r.change.clone());
     let columns: Vec<DVector<f64>> = screened.typical().filter_map(last).collect();
@@ -60,10 +60,10 @@ fn luckiest((screened, spaces): (&[Screened], &[DMatrix<f64>]), residuals: &DVec
 }
 
 impl NullDraws {
-    /// Draws of noise, each searched once (Westfall and Young 1993).
+    /// Draws noise and searches each draw (Westfall and Young 1993).
     ///
     /// - `left`, `blocks`: as in [`null_delta_chi2`]
-    /// - `tried`: effects that each search tries
+    /// - `tried`: number of effects that each search tries
     /// - `search`: largest Δχ² of these effects in whitened data
     pub(super) fn new(
         (left, blocks): (&[f64], &[usize]),
@@ -82,9 +82,10 @@ impl NullDraws {
         Self { largest, tried: tried.max(1) }
     }
 
-    /// p-value of a fit with an effect beside the fit without it: the share of draws that reach its Δχ², or that of an
-    /// F test corrected for the number of effects (Šidák 1967), whichever is greater. The draws come from what the best
-    /// fit leaves, of which few data leave too little; with many the F test is the lesser.
+    /// P-value of a fit with an effect compared with the fit without it: the share of draws that reach its Δχ², or the
+    /// p-value of an F test corrected for the number of effects (Šidák 1967), whichever is greater. The draws come from
+    /// residuals of the best fit, which are too small where data are few; with many data the F test gives the smaller
+    /// p-value.
     pub fn p_value(&self, base: &Fit, with: &Fit) -> f64 {
         let delta_chi2 = base.chi2 - with.chi2;
         let more = self.largest.len() - self.largest.partition_point(|drawn| *drawn < delta_chi2);
@@ -93,8 +94,8 @@ impl NullDraws {
         drawn.max(self.f_test((delta_chi2, added), (with.chi2, with.residuals.len(), with.coordinates.len())))
     }
 
-    /// - `fall`: Δχ² and the parameters that brought it
-    /// - `left`: χ², data and parameters of the fit with them
+    /// - `fall`: Δχ² and the number of added parameters
+    /// - `left`: χ², number of data and of parameters of the larger fit
     fn f_test(&self, (delta_chi2, added): (f64, usize), (chi2, data, parameters): (f64, usize, usize)) -> f64 {
         let Some(left) = data.checked_sub(parameters).filter(|left| *left > 0) else { return 1.0 };
         let ratio = (delta_chi2 / added as f64) / (chi2 / left as f64).max(f64::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! What a model makes of all passes of a campaign, with what each place of the surface went through.
+//! Simulation of all passes of a campaign, with the covariates of each place of the surface.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use crate::{EvidenceError, Observation, ScanEvidence, ScanView};
 use trial_simulation::{CampaignError, CampaignSimulation, SimulatedPass, Simulation, Variation};
 use trials::trial::PassScan;
 
-/// The same simulation, which also tells what each place went through.
+/// The same simulation, which also records the covariates of each place.
 fn watched<'a>(simulation: &Simulation<'a>) -> Result<Simulation<'a>, CampaignError> {
     let own = simulation.again(simulation.part.voxel, &Variation::default());
     let mut own = own.map_err(|error| CampaignError { trial: simulation.trial.name.clone(), error })?;
@@ -16,13 +16,13 @@ fn watched<'a>(simulation: &Simulation<'a>) -> Result<Simulation<'a>, CampaignEr
     Ok(own)
 }
 
-/// All passes with one model.
+/// All passes simulated with one model.
 pub struct Simulated {
     /// The model.
     pub model: CompiledModel,
     /// Passes of each trial.
     pub passes: Vec<Vec<SimulatedPass>>,
-    /// How they are seen.
+    /// Observation of the simulated surfaces.
     pub observation: Observation,
 }
 
@@ -30,7 +30,7 @@ impl Simulated {
     /// Simulates all passes, calibration and evaluation, with each model.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub fn all(evidence: &ScanEvidence, models: &[&CompiledModel]) -> Result<Vec<Self>, EvidenceError> {
         let trials: Result<Vec<Simulation>, CampaignError> =
             evidence.simulation.trials.par_iter().map(watched).collect();
@@ -56,12 +56,12 @@ impl Simulated {
         }
     }
 
-    /// Dose at each pixel beyond the one from which substrate shows; nothing when grinding.
+    /// Dose minus exposure threshold at each pixel; empty when grinding.
     pub fn margin(&self, view: &ScanView) -> Vec<f64> {
         self.pass(view).surface.dose_margin(&self.model).ok().flatten().unwrap_or_default()
     }
 
-    /// Which pixels show substrate.
+    /// True for each pixel that shows substrate.
     pub fn exposed(&self, view: &ScanView) -> Vec<bool> {
         self.margin(view).iter().map(|margin| *margin >= 0.0).collect()
     }

@@ -1,11 +1,11 @@
-//! Errors of the simulation that are no physics, from the same campaign simulated in other ways: on a lattice twice as
-//! fine, with passes that begin and end a row of their logs earlier or later, and from the repeated scan before the first
-//! pass: what that scan's noise becomes under the tool.
+//! Errors of the simulation, measured by variants of the same campaign: on a lattice twice as fine; with passes that
+//! begin or end a row of their logs earlier or later; and from the repeated scan before the first pass, which shows how
+//! that scan's noise changes under the tool.
 //!
-//! Near the best values the difference of the two changes far less with the parameters than the surface does. So it is
-//! simulated once there. What share of it the data hold is one degree of freedom of the campaign, with a prior (Kennedy and
-//! O'Hagan 2001): four thirds where the truth is smooth (Richardson 1911; Roache 1994), less where data come from a
-//! simulation on a lattice of their own.
+//! Near the best values these differences change far less with the parameters than the surface does, so that they are
+//! simulated only once there. The share of the lattice error that the data contain is one degree of freedom of the
+//! campaign, with a prior (Kennedy and O'Hagan 2001): four thirds where the true surface is smooth (Richardson 1911;
+//! Roache 1994), less where data come from a simulation on a lattice of their own.
 
 use effects::CompiledModel;
 use rayon::prelude::*;
@@ -19,18 +19,18 @@ use trial_simulation::{PassEnds, SimulatedPass, Variation};
 use trials::measure::ScanNoise;
 use trials::trial::PassScan;
 
-/// Voxels of the finer lattice over those of the usual one: every pixel stays on a lattice line.
+/// Ratio of the finer to the usual voxel; every pixel stays on a lattice line.
 const FINER: f64 = 0.5;
 
-/// Depths at which the noise of the scan before may have fallen to 1/e [m], and steps of the search between them.
+/// Range of depths over which the previous scan's noise may fall to 1/e [m], and number of steps of the search.
 const NOISE_DEPTHS: [f64; 2] = [1e-7, 1e-2];
 const NOISE_DEPTH_STEPS: usize = 150;
 
-/// Share of the error that data hold, before they are seen: all of it where they come from a lattice like the finer one,
-/// four thirds where they are smooth.
+/// Prior mean of the share of the lattice error in the data: 1 where they come from a lattice like the finer one, four
+/// thirds where they are smooth.
 const EXPECTED_SHARE: f64 = 1.0;
 const SHARE_SIGMA: f64 = 1.0 / 3.0;
-/// By how much the share may differ from one kind of ground to another, as the order of convergence does.
+/// Standard deviation of the share between regions, which may differ in the order of convergence.
 pub const SHARE_SPREAD: f64 = SHARE_SIGMA;
 
 /// Errors of the simulation at each pixel of each scan: from its lattice, and from the unknown ends of passes.
@@ -39,14 +39,14 @@ pub struct SimulationErrors {
     /// Simulated scans on the usual lattice, by trial and pass.
     #[serde(skip)]
     usual: Vec<Vec<HeightMap>>,
-    /// Height to add to a simulated scan [m] by trial, pass and pixel.
+    /// Correction of a simulated scan for the lattice error [m], by trial, pass and pixel.
     heights: Vec<Vec<Vec<f64>>>,
-    /// Height that a scan gains where its trial's passes begin a row of their logs earlier, and where they end one later
+    /// Height change of a scan where its trial's passes begin a row of their logs earlier, and where they end one later
     /// [m], by trial, pass and pixel.
     ends: Vec<Vec<[Vec<f64>; 2]>>,
     /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
     noise_depth: f64,
-    /// Identity of all of them.
+    /// SHA-256 of all errors.
     identity: String,
 }
 
@@ -55,19 +55,19 @@ pub struct SimulationErrors {
 pub struct ScanErrors<'a> {
     /// The scan as it is simulated on the usual lattice.
     pub simulated: &'a HeightMap,
-    /// Height of a simulation on a finer lattice above it at each pixel [m].
+    /// Height on the finer lattice minus that on the usual one at each pixel [m].
     pub lattice: &'a [f64],
-    /// Height that each pixel gains where passes begin a row of their logs earlier, and where they end one later [m].
+    /// Height change of each pixel where passes begin a row of their logs earlier, and where they end one later [m].
     pub ends: &'a [Vec<f64>; 2],
     /// Removed depth at which the noise of the scan before has fallen to 1/e [m].
     pub noise_depth: f64,
 }
 
 impl SimulationErrors {
-    /// Simulates all passes of a ground campaign on both lattices.
+    /// Simulates all passes of a ground campaign on both lattices, with shifted ends, and from the repeated scans.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn new(evidence: &ScanEvidence, model: &CompiledModel) -> Result<Self, EvidenceError> {
         let usual = &evidence.simulation;
         let finer = usual.on_voxels(FINER)?;
@@ -95,7 +95,7 @@ impl SimulationErrors {
         Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, ends, noise_depth, identity })
     }
 
-    /// All that is known of a scan's simulation.
+    /// Known errors of a scan's simulation.
     pub fn beside(&self, trial: usize, pass: usize) -> ScanErrors<'_> {
         ScanErrors {
             simulated: &self.usual[trial][pass],
@@ -105,12 +105,12 @@ impl SimulationErrors {
         }
     }
 
-    /// A simulated scan on the usual lattice, and the heights to add to it [m], one for each pixel.
+    /// A simulated scan on the usual lattice, and its correction [m], one for each pixel.
     pub fn of(&self, trial: usize, pass: usize) -> (&HeightMap, &[f64]) {
         (&self.usual[trial][pass], &self.heights[trial][pass])
     }
 
-    /// SHA-256 of all errors: equal for equal ones.
+    /// SHA-256 of all errors.
     pub fn identity(&self) -> &str {
         &self.identity
     }
@@ -123,8 +123,9 @@ fn heights_of(scan: &PassScan) -> Option<HeightMap> {
     }
 }
 
-/// Whitened residuals with the lattice's error as one more degree of freedom: independent with variance one where it is
-/// at work beside the noise. `field` is what all of it adds to them. The covariance `1 + σ² f fᵀ` has a root in closed form.
+/// Whitens residuals with the lattice error as one more degree of freedom: independent with variance one where it acts
+/// in addition to noise. `field` is the contribution of the whole lattice error. The covariance `1 + σ² f fᵀ` has a
+/// root in closed form.
 pub fn without_lattice_error(residuals: &[f64], field: &[f64]) -> Vec<f64> {
     let left: Vec<f64> = residuals.iter().zip(field).map(|(r, f)| r - EXPECTED_SHARE * f).collect();
     change_without_lattice_error(&left, field)
@@ -141,7 +142,7 @@ pub fn change_without_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
     change.iter().zip(field).map(|(r, f)| r - along * f).collect()
 }
 
-/// Undoes [`without_lattice_error`] on a change of residuals.
+/// Inverse of [`change_without_lattice_error`].
 pub fn with_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
     let square = dot(field, field);
     if square == 0.0 {
@@ -152,7 +153,7 @@ pub fn with_lattice_error(change: &[f64], field: &[f64]) -> Vec<f64> {
     change.iter().zip(field).map(|(r, f)| r + along * f).collect()
 }
 
-/// The share of the lattice's error that whitened residuals most likely hold.
+/// Most probable share of the lattice error in whitened residuals.
 pub fn lattice_share(residuals: &[f64], field: &[f64]) -> f64 {
     let prior = SHARE_SIGMA.powi(-2);
     (EXPECTED_SHARE * prior + dot(residuals, field)) / (prior + dot(field, field))
@@ -162,7 +163,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// What a scan on the finer lattice has above one on the usual lattice [m].
+/// Height of a scan on the finer lattice minus that on the usual lattice [m].
 pub(super) fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
     match (usual, finer) {
         (PassScan::Heights(usual), PassScan::Heights(finer)) => {
@@ -173,11 +174,11 @@ pub(super) fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
     }
 }
 
-/// Removed depth at which the noise of the scan before has fallen to 1/e [m]: the one with which the differences between the
-/// two scans before the first pass become those between the simulations that begin with them, by least squares over tiles.
+/// Removed depth at which the noise of the scan before has fallen to 1/e [m]. It maps the differences between the two
+/// scans before the first pass to those between simulations that start from them, by least squares over tiles.
 ///
-/// A bump of height h under a spring of stiffness K wears at the rate k K h, and the ground at k (p − p_c): the depth is
-/// about (p − p_c) / K.
+/// A bump of height h under a spring of stiffness K wears at the rate k K h, and the ground at k (p − p_c): the depth
+/// is about (p − p_c) / K.
 fn noise_depth(evidence: &ScanEvidence, repeats: &[HeightMap], simulated: &[Vec<Vec<f64>>]) -> f64 {
     let mut tiles: Vec<[f64; 3]> = Vec::new();
     for view in &evidence.views {

@@ -1,5 +1,5 @@
-//! Fits by space mapping (Bandler et al. 2004): steps are made on a quicker lattice that agrees with the usual one where a fit
-//! is. Where they end, the usual lattice tells how good they were, and the surrogate learns from it.
+//! Fits by space mapping (Bandler et al. 2004): steps are taken on a faster lattice, corrected to agree with the usual
+//! one at the present fit. The usual lattice evaluates their result, and the surrogate is corrected again.
 
 use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector};
@@ -11,23 +11,23 @@ use super::repredicted::{Prediction, Repredicted};
 use super::totals::{Total, Totals};
 use crate::criteria::{DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, MAPPING_ROUNDS};
 
-/// A quicker prediction of data that has the residuals of a fit at its place.
+/// A faster prediction of data that reproduces the residuals of a fit at its values.
 pub(super) type Surrogate<'a> = Repredicted<'a, Mapped<'a>>;
 
-/// A quicker prediction with what it lacks of a fit's residuals, and a linear term beside that.
+/// A faster prediction with a constant and a linear correction.
 pub(super) struct Mapped<'a> {
     quicker: &'a dyn Totals,
-    /// Whitened residuals of the fit minus those of the quicker prediction at its place.
+    /// Whitened residuals of the fit minus those of the faster prediction at its values.
     offset: Vec<f64>,
     coordinates: Vec<Coordinate>,
-    /// Place of the fit [coordinates].
+    /// Values of the fit [coordinates].
     from: Vec<f64>,
-    /// Derivatives that the quicker prediction lacks, shape [data, coordinates].
+    /// Correction of the derivatives, shape [data, coordinates].
     slope: DMatrix<f64>,
 }
 
 impl<'a> Surrogate<'a> {
-    /// With the residuals of a fit; `None` where its model cannot be predicted quicker.
+    /// Corrects the residuals to those of a fit; `None` if its model cannot be predicted by the faster way.
     pub(super) fn at(quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
         let own = quicker.residuals(&fit.model, Split::Calibration).ok()?;
         let offset = fit.residuals.iter().zip(own).map(|(usual, quicker)| usual - quicker).collect();
@@ -36,7 +36,7 @@ impl<'a> Surrogate<'a> {
         Some(Self { data: quicker, prediction: Mapped { quicker, offset, coordinates, from, slope } })
     }
 
-    /// With the residuals and the derivatives of a fit; `None` as in [`Self::at`].
+    /// Corrects residuals and derivatives to those of a fit; `None` as in [`Self::at`].
     pub(super) fn like(quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
         let surrogate = Self::at(quicker, fit)?;
         let mut own = fit.clone();
@@ -44,7 +44,7 @@ impl<'a> Surrogate<'a> {
         Some(surrogate.beside(&fit.jacobian - own.jacobian))
     }
 
-    /// With derivatives that the quicker prediction lacks.
+    /// Adds a correction of the derivatives.
     fn beside(mut self, slope: DMatrix<f64>) -> Self {
         self.prediction.slope = slope;
         self
@@ -71,7 +71,7 @@ impl Prediction for Mapped<'_> {
     }
 }
 
-/// Data, and a surrogate for looks and steps where there is one.
+/// Data, and their surrogate for first looks and steps if there is one.
 #[derive(Clone, Copy)]
 pub(super) struct Lattices<'a> {
     /// The data.
@@ -88,17 +88,17 @@ impl<'a> Lattices<'a> {
 }
 
 impl Fit {
-    /// Goes on from here, quicker where that is possible, and ends on the data themselves.
+    /// Continues the fit, on a surrogate if possible, and ends on the data themselves.
     pub fn refined(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
-        // Steps with the derivatives that are known are too few to be worth a surrogate.
+        // A few steps with known derivatives are not worth a surrogate.
         match evidence.quicker().filter(|_| options.derivatives > 0) {
             Some(quicker) => self.mapped(evidence, &*quicker, options).finished(evidence, options),
             None => self.finished(evidence, options),
         }
     }
 
-    /// Steps on a surrogate, seen on the usual lattice where they end, until it is right there or nothing more is promised.
-    /// Residuals and sum of squares are those of the data, derivatives those of the surrogate.
+    /// Takes steps on a surrogate and evaluates their result on the usual lattice, until the two agree there or no
+    /// further fall is predicted. Residuals and χ² are those of the data, derivatives those of the surrogate.
     pub(super) fn mapped(mut self, evidence: &dyn Evidence, quicker: &dyn Totals, options: FitOptions) -> Self {
         let mut slope = DMatrix::zeros(self.residuals.len(), self.at.len());
         for _ in 0..MAPPING_ROUNDS {
@@ -120,18 +120,18 @@ impl Fit {
         Self { converged: false, ..self }
     }
 
-    /// The same place with the residuals of other data, or of the same on another lattice; derivatives stay.
+    /// The same values with the residuals of other data, or on another lattice; derivatives stay.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         let residuals = evidence.residuals(&self.model, Split::Calibration)?;
         Ok(self.with_residuals(residuals))
     }
 }
 
-/// Derivatives that a surrogate lacks along the way from one fit to another (Broyden 1965), by the residuals that it has there
-/// and those that were seen; `None` for a way that changes the data by no more than the simulation's own unevenness.
+/// Error of a surrogate's derivatives along the step from one fit to another (Broyden 1965), from its residuals there
+/// and the observed ones; `None` for a step that changes the data by no more than the simulation's numerical noise.
 fn missing_slope(from: &Fit, there: &Fit, seen: &Fit) -> Option<DMatrix<f64>> {
     let difference = |b: &[f64], a: &[f64]| DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a));
     if difference(&seen.residuals, &from.residuals).norm() < DERIVATIVE_CHANGE_LEAST {

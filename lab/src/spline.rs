@@ -3,8 +3,8 @@
 /// Shares of the data below each of the six knots (Harrell 2001, table 2.3).
 const KNOTS: [f64; 6] = [0.05, 0.23, 0.41, 0.59, 0.77, 0.95];
 
-/// Columns of a restricted cubic spline, without the constant one: the number itself, and a cubic piece for each knot
-/// but the last two. Few different values give fewer columns; one value gives none.
+/// Columns of a restricted cubic spline, without the constant one: the number itself, and a cubic term for each knot
+/// but the last two. Few distinct values give fewer columns; a single value gives none.
 pub fn spline_columns(values: &[f64]) -> Vec<Vec<f64>> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

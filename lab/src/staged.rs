@@ -1,4 +1,4 @@
-//! The staged order: first the removal rate from what was removed in all, then the other parameters from the profiles.
+//! Staged fit: first the removal rate from the total removal, then the other parameters from the profiles.
 
 use effects::{CompiledModel, Kind, Scale, Variable};
 
@@ -8,25 +8,25 @@ use super::fit::{Estimate, Fit, FitOptions};
 use super::totals::{Total, Totals};
 use crate::criteria::STAGED_RATE_TOLERANCE;
 
-/// Most simulations for the rate.
+/// Most simulations in the search for the rate.
 const MOST_RUNS: usize = 12;
 /// Longest step of the rate [logarithm].
 const LONGEST_STEP: f64 = 1.5;
 
-/// What two stages found beside the fit of the second.
+/// Result of a staged fit, beside the fit of the second stage.
 pub struct Staged {
-    /// The removal rate as the totals give it.
+    /// Removal rate fitted to the totals.
     pub rate: Estimate,
-    /// The totals once the rate was fitted to them, and once the profiles had moved the rest.
+    /// Totals after each stage: once the rate was fitted, and once the other parameters were fitted to the profiles.
     pub totals: [Vec<Total>; 2],
 }
 
 impl Staged {
-    /// Fits the calibration data in two stages; the fit is the second's, of all but the rate. `None` where no free parameter
-    /// of a law is a removal rate.
+    /// Fits the calibration data in two stages. The returned fit is that of the second stage, of all parameters but the
+    /// rate. `None` if no free parameter of a law is a removal rate.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn new(evidence: &dyn Totals, model: &CompiledModel) -> Result<Option<(Self, Fit)>, EvidenceError> {
         let mut coordinates = evidence.coordinates(model);
         let Some(place) = coordinates.iter().position(|coordinate| is_rate(model, coordinate)) else { return Ok(None) };
@@ -38,7 +38,7 @@ impl Staged {
     }
 }
 
-/// Whether a parameter is the factor of the law that removes.
+/// Returns true if a parameter is the factor of the removal law.
 pub(super) fn is_rate(model: &CompiledModel, coordinate: &Coordinate) -> bool {
     let removes = |value: Variable| matches!(value, Variable::Rate | Variable::DoseRate);
     let mut laws = model.effects().filter(|law| law.kind == Kind::Law && law.name == coordinate.slot.owner);
@@ -46,14 +46,15 @@ pub(super) fn is_rate(model: &CompiledModel, coordinate: &Coordinate) -> bool {
         && laws.any(|law| law.changes_in(model.process()).any(|change| removes(change.value)))
 }
 
-/// Finds the rate by the secant method on the mean logarithm of measured over predicted, to a tolerance of that.
+/// Finds the rate by the secant method on the mean log ratio of measured to predicted totals, to a tolerance of that
+/// mean.
 pub(super) fn fit_rate(
     evidence: &dyn Totals,
     model: &CompiledModel,
     (rate, tolerance): (Coordinate, f64),
 ) -> Result<(Estimate, CompiledModel, Vec<Total>), EvidenceError> {
     let mut at = rate.clamped(rate.from_value(model.value(rate.index)));
-    // What is removed grows about as the rate does.
+    // The removal grows about in proportion to the rate.
     let mut slope = -1.0;
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..MOST_RUNS {
@@ -80,7 +81,7 @@ pub(super) fn fit_rate(
     Ok((estimate, model, totals))
 }
 
-/// Mean logarithm of measured over predicted, each total weighted with its certainty.
+/// Mean log ratio of measured to predicted totals, weighted by inverse variance.
 fn shortfall(totals: &[Total]) -> f64 {
     let one = |total: &Total| {
         let ratio = (total.measured / total.predicted).ln();

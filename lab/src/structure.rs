@@ -1,8 +1,8 @@
-//! Whether what a model leaves is noise: tests that need no idea of what may be missing.
+//! Tests for structure in residuals, which need no hypothesis on the missing effect.
 //!
-//! Each looks at whitened residuals, which are independent with variance one where the model is right: their sum of
-//! squares, whether neighbours agree (Moran 1950), whether signs come in runs (Wald and Wolfowitz 1940), and whether
-//! successive passes leave alike. Holm's rule (1979) keeps the probability of any false alarm of all tests at 5 %.
+//! Whitened residuals are independent with variance one where the model is right. The tests are of their sum of
+//! squares, of spatial correlation (Moran 1950), of runs of one sign (Wald and Wolfowitz 1940), and of the correlation
+//! between successive passes. Holm's rule (1979) bounds the probability of any false alarm by 5 %.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,12 +12,12 @@ use super::covariance::Whitener;
 use crate::criteria::{RESIDUAL_TEST_DRAWS, RUN_LINE_LEAST, SHARED_TILES_LEAST, SIGNIFICANCE_LEVEL};
 use random::Stream;
 
-/// Residuals at places of a grid: the tiles of a scan, or the rows of a table in one line.
+/// Residuals on a grid: tiles of a scan, or rows of a table in one line.
 #[derive(Clone, Debug)]
 pub struct ResidualGrid {
-    /// Places along x.
+    /// Grid size along x.
     pub nx: usize,
-    /// Place of each residual, x running fastest, in rising order.
+    /// Cell of each residual, x running fastest, ascending.
     pub cells: Vec<usize>,
     /// Whitened residuals.
     pub residuals: Vec<f64>,
@@ -29,27 +29,27 @@ pub struct SharedTiles<'a> {
     pub whiteners: Vec<&'a Whitener>,
     /// Measured minus simulated of all tiles of each scan, centred.
     pub differences: Vec<Vec<f64>>,
-    /// The shared tiles' places among those of each scan.
+    /// Index of the shared tiles among those of each scan.
     pub places: Vec<Vec<usize>>,
 }
 
-/// A test and what it says.
+/// Result of a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StructureTest {
-    /// What is tested.
+    /// Name of the tested property.
     pub name: String,
     /// Its statistic [1].
     pub statistic: f64,
-    /// Chance of such a value where nothing is missing, not corrected for the number of tests.
+    /// P-value, not corrected for the number of tests.
     pub p_value: f64,
-    /// Whether there is structure, corrected for the number of tests.
+    /// True if the test finds structure, corrected for the number of tests.
     pub rejects: bool,
 }
 
-/// All tests that the data allow.
+/// Runs all tests that the data allow.
 ///
-/// - `degrees_of_freedom`: parameters that were fitted to these data
-/// - `shared`: for each workpiece with two scans or more, what they share
+/// - `degrees_of_freedom`: number of parameters that were fitted to these data
+/// - `shared`: tiles shared by the scans of each workpiece with two scans or more
 pub fn structure_tests(
     grids: &[ResidualGrid],
     degrees_of_freedom: usize,
@@ -64,7 +64,7 @@ pub fn structure_tests(
     tests
 }
 
-/// Holm's rule: says of each test whether it rejects, corrected for their number.
+/// Applies Holm's rule: sets `rejects` of each test, corrected for their number.
 pub fn holm(tests: &mut [StructureTest]) {
     let mut order: Vec<usize> = (0..tests.len()).collect();
     order.sort_by(|&a, &b| tests[a].p_value.total_cmp(&tests[b].p_value));
@@ -80,7 +80,7 @@ fn test(name: &str, statistic: f64, p_value: f64) -> StructureTest {
     StructureTest { name: name.to_owned(), statistic, p_value, rejects: false }
 }
 
-/// `(χ² - ν) / √(2 ν)`.
+/// Test of the excess of χ²: `(χ² - ν) / √(2 ν)`.
 fn excess(grids: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
     let chi2: f64 = grids.iter().flat_map(|grid| &grid.residuals).map(|r| r * r).sum();
     let count: usize = grids.iter().map(|grid| grid.residuals.len()).sum();
@@ -89,7 +89,7 @@ fn excess(grids: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
     test("excess of whitened squares", (chi2 - left) / (2.0 * left).sqrt(), p)
 }
 
-/// Moran's I over pairs of neighbours, and its p-value among draws of independent noise.
+/// Moran's I over pairs of neighbours, with a p-value from draws of independent noise.
 pub(super) fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
     let pairs: Vec<Vec<(usize, usize)>> = grids.iter().map(ResidualGrid::neighbours).collect();
     let moran = |residuals: &dyn Fn(usize) -> Vec<f64>| {
@@ -114,7 +114,7 @@ pub(super) fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
     test("neighbouring tiles agree", found, (more + 1) as f64 / (RESIDUAL_TEST_DRAWS + 1) as f64)
 }
 
-/// Runs of one sign along lines of tiles, fewer than chance makes; `None` where no line is long enough.
+/// Test of the number of runs of one sign along lines of tiles, against fewer runs; `None` if no line is long enough.
 fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest> {
     let (mut excess, mut variance) = (0.0, 0.0);
     for line in grids.iter().flat_map(|grid| grid.lines(along)).filter(|line| line.len() >= RUN_LINE_LEAST) {
@@ -129,8 +129,8 @@ fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest
     (variance > 0.0).then(|| test(name, z, Normal::standard().cdf(z)))
 }
 
-/// Whether what a pass adds to the difference is like what the pass before added; `None` without two scans of one
-/// workpiece.
+/// Test of the correlation between the contributions of successive passes to the difference; `None` without two scans
+/// of one workpiece.
 fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
     let usable: Vec<&SharedTiles> =
@@ -180,7 +180,7 @@ impl ResidualGrid {
 }
 
 impl SharedTiles<'_> {
-    /// What each pass added to the difference of the shared tiles.
+    /// Contribution of each pass to the difference of the shared tiles.
     fn added(&self, differences: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let here = |scan: usize| self.places[scan].iter().map(|&at| differences[scan][at]).collect::<Vec<f64>>();
         let mut before = vec![0.0; self.places[0].len()];
@@ -193,7 +193,7 @@ impl SharedTiles<'_> {
         added
     }
 
-    /// Differences that noise alone would make.
+    /// Differences drawn from noise alone.
     fn drawn(&self, stream: &mut Stream) -> Vec<Vec<f64>> {
         let scan = |whitener: &&Whitener| {
             let normals: Vec<f64> = (0..whitener.len()).map(|_| stream.normal()).collect();

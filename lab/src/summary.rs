@@ -1,4 +1,4 @@
-//! A diagnosis in numbers for people and machines: units of the library, lengths in µm.
+//! Summary of a diagnosis: library units, lengths in µm.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use super::unlisted::Proposal;
 use super::verdict::Verdict;
 use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 
-/// Name of the waterfall's step at which the base law is calibrated.
+/// Name of the waterfall step that calibrates the base law.
 pub const BASE_STEP: &str = "base model";
 
 /// A parameter with its interval, in the library's unit.
@@ -29,33 +29,33 @@ pub struct ParameterSummary {
     pub name: String,
     /// Best value.
     pub value: f64,
-    /// 95 % interval; absent where the data do not tell.
+    /// 95 % interval; absent if the data do not determine it.
     pub interval: Option<[f64; 2]>,
     /// Unit.
     pub unit: String,
-    /// How far the data determine it.
+    /// State of its determination by the data.
     pub state: ParameterState,
-    /// The end of what the library lists, where the value lies beyond it.
+    /// End of the library's range that the value exceeds, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub listed_to: Option<f64>,
 }
 
-/// How far data determine a parameter.
+/// State of a parameter's determination by the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ParameterState {
-    /// Its interval is narrower than half of its range.
+    /// The interval is narrower than half of the range.
     Identifiable,
-    /// The best value lies on the least one that is accepted.
+    /// The best value lies on the lower bound.
     OnLeast,
-    /// The best value lies on the greatest one that is accepted.
+    /// The best value lies on the upper bound.
     OnGreatest,
-    /// Its interval is wider than half of its range.
+    /// The interval is wider than half of the range.
     NotIdentifiable,
 }
 
 impl ParameterState {
-    /// In words; nothing of an identifiable one.
+    /// State in words; `None` if identifiable.
     pub fn words(self) -> Option<&'static str> {
         match self {
             Self::Identifiable => None,
@@ -66,37 +66,37 @@ impl ParameterState {
     }
 }
 
-/// An effect that was found, or may stand for it.
+/// An effect that was found, or is indistinguishable from it.
 #[derive(Clone, Debug, Serialize)]
 pub struct EffectSummary {
     /// Name in the library.
     pub name: String,
     /// Title in the library.
     pub title: String,
-    /// Probability among all that were fitted.
+    /// Posterior probability among all fitted effects.
     pub probability: f64,
-    /// Effects that these data cannot tell from it.
+    /// Effects that these data cannot distinguish from it.
     pub indistinguishable_from: Vec<String>,
     /// Its parameters by name.
     pub parameters: BTreeMap<String, ParameterSummary>,
-    /// Fall of the sum of squares over the spread of what is left.
+    /// Fall of χ², divided by the variance of the remaining residuals.
     pub delta_chi2: f64,
-    /// Chance that the luckiest effect gains as much without being there.
+    /// P-value: probability that noise alone gives the best of all effects such a Δχ².
     pub p_value: f64,
     /// Number of the search that fitted it, from 1.
     pub search: usize,
-    /// Why it is out; absent for the best one of a search and for those that these data cannot tell from it.
+    /// Reason against it; absent for the best one of a search and for those that these data cannot distinguish from it.
     pub ruled_out: Option<String>,
-    /// Held-out passes without and with it [µm]; absent where none is held out.
+    /// Root mean square error of held-out passes without the effect [µm]; absent if none is held out.
     pub evaluation_rms_um_before: Option<f64>,
-    /// With it.
+    /// The same with the effect.
     pub evaluation_rms_um_after: Option<f64>,
 }
 
 /// A step of the waterfall.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WaterfallStep {
-    /// What was done.
+    /// Name of the step.
     pub step: String,
     /// Root mean square over the calibration scans [µm].
     pub calibration_rms_um: f64,
@@ -104,48 +104,48 @@ pub struct WaterfallStep {
     pub evaluation_rms_um: Option<f64>,
 }
 
-/// The whole diagnosis.
+/// Summary of a diagnosis.
 #[derive(Clone, Debug, Serialize)]
 pub struct DiagnosisSummary {
-    /// One word.
+    /// Verdict in one word.
     pub verdict: Verdict,
-    /// One sentence.
+    /// Verdict in one sentence.
     pub sentence: String,
-    /// What was found; the first is the most probable.
+    /// Effects found; the first is the most probable.
     pub effects: Vec<EffectSummary>,
-    /// Probability, in the first search, that no effect of the library is the cause of what is left, if anything is.
+    /// Probability, in the first search, that no effect of the library is the cause of the misfit, if there is one.
     pub none_probability: f64,
-    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What noise alone would leave of the calibration passes [µm].
+    /// Noise floor of the calibration passes [µm].
     pub noise_floor_um: f64,
-    /// The same of the evaluation passes; absent where none is held out.
+    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
     pub evaluation_noise_floor_um: Option<f64>,
-    /// What the base model leaves [µm].
+    /// Root mean square error of the base model [µm].
     pub base_rms_um: f64,
-    /// What is left in the end [µm].
+    /// Root mean square error of the final model [µm].
     pub final_rms_um: f64,
-    /// From the base model to the noise floor.
+    /// Errors from the base model to the noise floor.
     pub waterfall: Vec<WaterfallStep>,
-    /// How equal passes go on, and what the base law can make of that; absent where there are no equal passes.
+    /// Trend of equal passes, and the changes that the base law can produce; absent if there are no equal passes.
     pub equal_passes: Option<PassTrend>,
     /// All parameters of the final model.
     pub parameters: Vec<ParameterSummary>,
-    /// Where the logs lie in the frame of the scans; absent where none were moved.
+    /// Frame offset of the logs; absent if none were moved.
     pub frame: Option<FrameEstimate>,
     /// Every effect that was fitted.
     pub suspects: Vec<EffectSummary>,
     /// Every other effect that was looked at.
     pub unfitted: Vec<Unfitted>,
-    /// The next trial; absent where no rivals are left.
+    /// Proposed next trial; absent where no rivals are left.
     pub next_trial: Option<NextTrial>,
-    /// The effect that is proposed for what no effect of the library describes; absent where there is none.
+    /// Effect proposed where no library effect describes the data; absent if there is none.
     pub proposal: Option<Proposal>,
-    /// What each effect must be to be seen.
+    /// Detectable size of each effect.
     pub detectable: Vec<Detectable>,
-    /// Effects that were not tried, and why.
+    /// Effects that were not tried, with the reason.
     pub blind: BTreeMap<String, String>,
-    /// The numbers behind all decisions, by name.
+    /// Values of all decision criteria, by name.
     pub criteria: CriterionValues,
 }
 
@@ -154,12 +154,12 @@ pub(super) fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) 
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
 }
 
-/// What noise alone would leave of some scans, in the unit of the errors; `None` without a scan.
+/// Noise floor of some scans, in the unit of the errors; `None` without a scan.
 pub(super) fn floor_of(of: &[Agreement], unit: ErrorUnit) -> Option<f64> {
     (!of.is_empty()).then(|| rms(of, unit, |a| a.floor))
 }
 
-/// An estimate in the library's unit.
+/// Converts an estimate to the library's unit.
 pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
     let (coordinate, slot) = (&estimate.coordinate, &estimate.coordinate.slot);
     let at = coordinate.from_value(estimate.value);
@@ -186,7 +186,7 @@ pub fn parameter_summary(estimate: &Estimate) -> ParameterSummary {
 }
 
 impl ParameterSummary {
-    /// Value, interval and what is to be known, in a line.
+    /// Formats value, interval and remarks in one line.
     pub fn shown(&self) -> String {
         let interval = self
             .interval
@@ -196,20 +196,20 @@ impl ParameterSummary {
         format!("{} = {}{interval}{state}{listed}", self.name, self.quantity())
     }
 
-    /// The value with its unit.
+    /// Formats the value with its unit.
     pub fn quantity(&self) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
         format!("{}{unit}", significant(self.value))
     }
 }
 
-/// To four digits.
+/// Formats to four digits.
 pub(super) fn significant(value: f64) -> String {
     format!("{value:.3e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
 impl EffectSummary {
-    /// Probability, Δχ² and values, in a line.
+    /// Formats probability, Δχ² and values in one line.
     pub fn shown(&self) -> String {
         let value = |(name, p): (&String, &ParameterSummary)| format!("{name} = {}", p.quantity());
         let values: Vec<String> = self.parameters.iter().map(value).collect();
@@ -250,10 +250,10 @@ impl EffectSummary {
 }
 
 impl DiagnosisSummary {
-    /// Sums up a diagnosis.
+    /// Summarises a diagnosis.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub fn new(
         evidence: &dyn Evidence,
         diagnosis: &Diagnosis,

@@ -1,4 +1,4 @@
-//! Effects fitted together with the base parameters, and how they compare.
+//! Effects fitted together with the base parameters, and their order.
 
 use effects::Scale;
 use rayon::prelude::*;
@@ -16,11 +16,11 @@ use crate::criteria::{
     REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS, REFINED_GAIN_SHARE, STARTS_PER_EFFECT,
 };
 
-/// Cost of the two fits.
+/// Cost of the quick fit.
 pub(super) const QUICK_FIT: FitOptions = FitOptions { derivatives: QUICK_FIT_DERIVATIVES, steps: QUICK_FIT_STEPS };
 pub(super) const REFINED_FIT: FitOptions =
     FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
-/// Cost of the last fit, of those whose fit to the end did not converge.
+/// Cost of the last fit, for effects whose refined fit did not converge.
 const LAST_FIT: FitOptions = FitOptions { derivatives: LAST_FIT_DERIVATIVES, steps: LAST_FIT_STEPS };
 
 /// An effect at its best values.
@@ -28,7 +28,7 @@ const LAST_FIT: FitOptions = FitOptions { derivatives: LAST_FIT_DERIVATIVES, ste
 pub struct Suspect {
     /// The first look at it.
     pub screened: Screened,
-    /// The fit of base and effect together.
+    /// Joint fit of base parameters and effect.
     pub fit: Fit,
 }
 
@@ -38,18 +38,18 @@ impl Suspect {
         &self.screened.candidate.name
     }
 
-    /// Free parameters of the effect.
+    /// Number of free parameters of the effect.
     pub fn degrees_of_freedom(&self) -> usize {
         self.screened.candidate.coordinates.len()
     }
 
-    /// The first look at it with the fitted values as the best.
+    /// The first look with the fitted values as its best ones.
     pub(super) fn at_its_fit(&self) -> Screened {
         let best = self.screened.candidate.coordinates.iter().map(|c| self.fit.model.value(c.index)).collect();
         Screened { best, shift: Vec::new(), ..self.screened.clone() }
     }
 
-    /// Whether the effect ended at its null, where it does nothing.
+    /// Returns true if the effect ended at its null.
     pub fn is_null(&self) -> bool {
         let amplitudes = self.screened.candidate.coordinates.iter().filter(|c| c.slot.null.is_some());
         amplitudes.clone().all(|c| {
@@ -65,8 +65,8 @@ impl Suspect {
         })
     }
 
-    /// Prior odds of its values against those that the library lists: each that lies beyond is so much less likely, and
-    /// so is each pass for which it needs another value.
+    /// Prior odds of its values relative to the library's ranges: a factor for each value outside its range, and for
+    /// each pass after the first that needs a value of its own.
     pub(super) fn prior(&self) -> f64 {
         let own = self.screened.candidate.coordinates.iter();
         let beyond = own.clone().filter(|c| c.beyond_listed(c.from_value(self.fit.model.value(c.index))).is_some());
@@ -74,23 +74,23 @@ impl Suspect {
         LISTED_ODDS.recip().powi((beyond.count() + again.count()) as i32)
     }
 
-    /// Whether a size of the effect ended at the far end of its range.
+    /// Returns true if a size of the effect ended at the far end of its range.
     pub fn is_on_bound(&self) -> bool {
         self.screened.candidate.coordinates.iter().any(|c| is_at_far_end(c, self.fit.model.value(c.index)))
     }
 
-    /// As it is fitted quickly.
+    /// Fits the effect quickly.
     ///
     /// # Errors
-    /// When the model cannot be simulated with it.
+    /// If the model cannot be simulated with it.
     pub(super) fn quick(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
         Ok(Self::begun(evidence, base, screened)?.finished(evidence, QUICK_FIT))
     }
 
-    /// As its fit begins: at the best values of the first look, derivatives taken from there.
+    /// Start of its fit: the best values and the derivatives of the first look.
     ///
     /// # Errors
-    /// When the model cannot be simulated with it.
+    /// If the model cannot be simulated with it.
     pub(super) fn begun(evidence: &dyn Evidence, base: &Fit, screened: Screened) -> Result<Self, EvidenceError> {
         let model = shifted(screened.candidate.at(&screened.best), base, &screened.shift);
         let own = |name: &str| base.coordinates.iter().any(|c| c.slot.name() == name);
@@ -105,16 +105,16 @@ impl Suspect {
         Ok(Self { screened, fit })
     }
 
-    /// With the residuals of other data, or of the same on another lattice.
+    /// The same values with the residuals of other data, or on another lattice.
     ///
     /// # Errors
-    /// When the model cannot be simulated with it.
+    /// If the model cannot be simulated with it.
     pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         Ok(Self { fit: self.fit.seen(evidence)?, ..self })
     }
 
-    /// Its fit, or a better one that begins where that of the base model began: a base model that lacks the effect may have
-    /// gone far astray to make up for it.
+    /// Its fit, or a better one from the starting values of the base model: a base model without the effect may have
+    /// converged far away to compensate for it.
     fn or_from_beginning(self, evidence: &dyn Evidence, base: &Fit) -> Self {
         let place = self.fit.with_beginning_of(base);
         match self.fit.begun_at(evidence, &place, LAST_FIT) {
@@ -123,7 +123,7 @@ impl Suspect {
         }
     }
 
-    /// Its fit taken further on a surrogate, or where there is none on the data.
+    /// Continues its fit on a surrogate, or on the data if there is none.
     pub(super) fn mapped(self, lattices: Lattices, options: FitOptions) -> Self {
         let fit = match lattices.quicker {
             Some(quicker) => self.fit.mapped(lattices.usual, quicker, options),
@@ -132,20 +132,20 @@ impl Suspect {
         Self { fit, ..self }
     }
 
-    /// Its fit taken further on the data.
+    /// Continues its fit on the data.
     pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         Self { fit: self.fit.finished(evidence, options), ..self }
     }
 }
 
-/// Whether a value of a parameter with a null is at the end of the range that is farthest from it.
+/// Returns true if a value of a parameter with a null is at the end of the range farthest from it.
 pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
     let [least, greatest] = coordinate.reach();
     let at = |end: f64| (value - end).abs() <= FAR_END_RATIO * end.abs();
     coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
 }
 
-/// Fits the most promising effects, the best of them thoroughly. Best first.
+/// Fits the most promising effects, the best of them until convergence. Best first.
 ///
 /// - `lattices`: the data, and their surrogate near the base fit
 pub(super) fn suspects(
@@ -177,7 +177,7 @@ pub(super) fn suspects(
     suspects
 }
 
-/// Fits the most promising effects quickly, and sees them on the usual lattice. Best first.
+/// Fits the most promising effects quickly, and evaluates them on the usual lattice. Best first.
 fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], told: &(dyn Fn(&str) + Sync)) -> Vec<Suspect> {
     let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
     let mut families = Vec::new();
@@ -195,8 +195,8 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], told: &(dyn Fn
     suspects
 }
 
-/// Ends the fits that may still be the best: those that did not converge, and those on a surrogate that fit about as well as
-/// the best. Where all are poor, they also begin again where the base fit began.
+/// Continues the fits that may still be the best: those that did not converge, and those on a surrogate that fit about
+/// as well as the best. If all are poor, they are also restarted at the starting values of the base fit.
 fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec<Suspect> {
     let Some(best) = suspects.iter().map(|suspect| &suspect.fit).min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else {
         return suspects;
@@ -218,7 +218,7 @@ fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec
     suspects
 }
 
-/// True of the first families, so many at most; a new one is added to them.
+/// Returns true if a family is among the first `most` families; adds a new one while there are fewer.
 fn is_among(families: &mut Vec<String>, family: &str, most: usize) -> bool {
     let is_known = families.iter().any(|known| known == family);
     if !is_known && families.len() < most {
@@ -228,7 +228,7 @@ fn is_among(families: &mut Vec<String>, family: &str, most: usize) -> bool {
     is_known
 }
 
-/// Effects by what the first look promises of them, the most first.
+/// Effects by expected Δχ² from the first look, in descending order.
 pub(super) fn by_promise<'a>(screened: impl Iterator<Item = &'a Screened>) -> Vec<&'a Screened> {
     let mut order: Vec<&Screened> = screened.collect();
     order.sort_by(|a, b| b.delta_chi2.total_cmp(&a.delta_chi2).then_with(|| a.candidate.name.cmp(&b.candidate.name)));

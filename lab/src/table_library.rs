@@ -1,5 +1,5 @@
-//! The effects that a table can show beside those of the library: a power law of running in, and for each column that
-//! the table declares as a state the forms that the dependence of the rate on it may have.
+//! Effects for tables in addition to the library: a power law of running-in, and for each column that the table
+//! declares as a state the possible forms of the rate's dependence on it.
 
 use effects::{Effect, Library};
 
@@ -11,14 +11,14 @@ use super::table_steps::{KELVIN, ROOM, measuring};
 use crate::criteria::SAME_RESPONSE;
 use trials::table::{Table, Usage};
 
-/// Running in: rows of different lengths show it, scans of equal passes do not.
+/// Running-in: rows of different lengths show it, scans of equal passes do not.
 const RUNNING_IN: (&str, &str) = ("running-in.toml", include_str!("table_effects/running-in.toml"));
-/// State of such an effect.
+/// Name of the state of such an effect.
 pub(super) const COLUMN_STATE: &str = "value";
 /// Longest name of a column in an effect.
 const LONGEST_NAME: usize = 60;
 
-/// Name of the effect of a column, by its place among [`Table::usage`].
+/// Name of the effect of a column, given its index in [`Table::usage`].
 pub(super) fn column_effect(table: &Table, usage: usize) -> String {
     let name = |usage: &Usage| {
         let letters = usage.name.chars().take(LONGEST_NAME);
@@ -32,7 +32,7 @@ pub(super) fn column_effect(table: &Table, usage: usize) -> String {
     if is_taken || own.ends_with('-') { format!("column-{}-{own}", usage + 1) } else { own }
 }
 
-/// The column of an effect, by its place among [`Table::usage`], and its form; `None` of any other effect.
+/// Index in [`Table::usage`] of the column of an effect, and its form; `None` for any other effect.
 pub(super) fn column_of(table: &Table, effect: &str) -> Option<(usize, ColumnForm)> {
     let is_own = |name: &str, form: &ColumnForm| form.name(name) == effect;
     let of = |usage: usize| {
@@ -43,11 +43,11 @@ pub(super) fn column_of(table: &Table, effect: &str) -> Option<(usize, ColumnFor
 }
 
 impl RowEvidence<'_> {
-    /// A library with the effects of this table. A column that an effect of the library reads in the same way needs
-    /// none of its own.
+    /// Returns a library with the effects of this table. A column that a library effect reads in the same way gets none
+    /// of its own.
     ///
     /// # Errors
-    /// An effect that cannot be evaluated on these rows.
+    /// If an effect cannot be evaluated on these rows.
     pub fn library(&self, library: &Library) -> Result<Library, String> {
         let columns = (0..self.table.usage.len()).flat_map(|usage| self.column_files(usage));
         let files: Vec<(String, String)> =
@@ -67,7 +67,7 @@ impl RowEvidence<'_> {
         Ok(extended.without(&needless.iter().map(String::as_str).collect::<Vec<_>>()))
     }
 
-    /// Whether an effect other than the forms of the column reads a column and changes the rows in proportion to it.
+    /// Returns true if another effect reads a column and changes the rows in proportion to the column's own effect.
     fn is_read_alike(&self, usage: usize, own: &Effect, library: &Library) -> bool {
         let reads = |effect: &&Effect| {
             let states = effect.states.iter();
@@ -82,7 +82,7 @@ impl RowEvidence<'_> {
         })
     }
 
-    /// What an effect of a column says, in words; `None` of any other effect.
+    /// Sentence on a fitted effect of a column; `None` for any other effect.
     pub(super) fn column_words(&self, effect: &EffectSummary) -> Option<String> {
         let (usage, form) = column_of(self.table, &effect.name)?;
         form.words(effect, &self.table.usage[usage].name)

@@ -1,7 +1,7 @@
-//! How well rows of a table repeat, without any model of the process: what a regression on everything that the table
-//! declares leaves of the rows, and of pairs of rows that stand near each other.
+//! Noise of table rows, without a model of the process: the residual of a regression of the rows on everything that the
+//! table declares, and of a regression of differences between neighbouring rows.
 //!
-//! Each of these is noise and what its regression misses, so the least one counts.
+//! Each residual contains noise and the regression's misfit, so the smallest one is used.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
@@ -13,13 +13,12 @@ use crate::criteria::{
 use trials::measure::{MAD_TO_SIGMA, median};
 use trials::table::{Row, Table};
 
-/// Rounds of a robust regression and of a robust scale.
+/// Most iterations of a robust regression and of a robust scale.
 const ROUNDS: usize = 20;
-/// Share of the largest singular value up to which columns of a regression depend on each other.
+/// Share of the largest singular value below which columns of a regression are linearly dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// Standard deviation of the logarithm of a row's removal, and how it was found, from the rows named: only theirs are
-/// looked at. What the table states is taken as it is.
+/// Estimates the noise of a table from the named rows only. A noise that the table states is taken as it is.
 pub(super) fn row_noise(table: &Table, rows: &[usize]) -> RowNoise {
     if let Some(sigma) = table.noise {
         let how = format!("noise of a row: {:.2} %, as the table states", 100.0 * sigma);
@@ -44,24 +43,24 @@ pub(super) fn row_noise(table: &Table, rows: &[usize]) -> RowNoise {
 pub(super) struct RowNoise {
     /// Standard deviation of the logarithm of a row's removal.
     pub(super) sigma: f64,
-    /// What a model that lacks nothing leaves of the rows at most, with the uncertainty of the noise.
+    /// Upper limit of the residual of a complete model, with the uncertainty of the noise.
     pub(super) limit: f64,
-    /// How it was found, one sentence.
+    /// Method of the estimate, one sentence.
     pub(super) how: String,
 }
 
-/// What a regression leaves.
+/// Residual of a regression.
 struct Left {
     /// Standard deviation.
     sigma: f64,
-    /// Degrees of freedom, and columns that it took off the rows.
+    /// Degrees of freedom, and number of columns of the regression.
     freedom: usize,
     columns: usize,
 }
 
 impl Left {
-    /// Greatest ratio of what a model without the columns leaves of so many rows to the noise, where the columns explain
-    /// nothing: the F test of the columns does not reject.
+    /// Greatest ratio of the residual of so many rows without the columns to the noise at which an F test does not
+    /// reject that the columns explain nothing.
     fn limit(&self, rows: usize) -> f64 {
         let (freedom, columns) = (self.freedom as f64, self.columns as f64);
         let law = FisherSnedecor::new(columns, freedom).ok();
@@ -70,14 +69,14 @@ impl Left {
     }
 }
 
-/// Whether the time is what was measured: every row removes the same, and takes its time for it.
+/// Returns true if the time was measured at equal removals: every row removes the same, and takes its own time.
 pub(super) fn is_timed(table: &Table) -> bool {
     let amounts = table.rows.iter().filter_map(|row| Some((row.removal_rate? * row.duration?).ln()));
     let times = table.rows.iter().filter_map(|row| Some(row.duration?.ln()));
     range(amounts).is_some_and(|amounts| amounts < SAME_SETTING) && range(times).is_some_and(|r| r > SAME_SETTING)
 }
 
-/// Number of different values.
+/// Number of distinct values.
 fn levels(values: &[f64]) -> usize {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -85,21 +84,21 @@ fn levels(values: &[f64]) -> usize {
     sorted.len()
 }
 
-/// Greatest less least; `None` of nothing.
+/// Greatest minus least value; `None` if empty.
 fn range(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     (high >= low).then_some(high - low)
 }
 
-/// Everything that a table declares of its rows.
+/// All declared values of the rows of a table.
 struct Declared<'a> {
     table: &'a Table,
     rows: &'a [usize],
     /// Logarithm of the removal rate of each row.
     removal: Vec<f64>,
-    /// Settings, measured states, use and time of each row, each over its range; those that never change are left out.
+    /// Settings, measured states, use and time of each row, each divided by its range; constant ones are left out.
     values: Vec<Vec<f64>>,
-    /// Number of settings and measured states among them: what must agree for two rows to be the same.
+    /// Number of settings and measured states among them, which are equal in equal rows.
     settings: usize,
 }
 
@@ -136,7 +135,8 @@ impl<'a> Declared<'a> {
         self.table.rows[self.rows[k]].group
     }
 
-    /// What a regression on all that is declared leaves of the rows, with squares where there are rows enough.
+    /// Residual of a regression of the rows on all declared values, with squares if there are enough rows, and its
+    /// description.
     fn of_rows(&self) -> Option<(Left, String)> {
         let mut groups: Vec<usize> = (0..self.rows.len()).map(|k| self.group(k)).collect();
         groups.sort_unstable();
@@ -156,7 +156,7 @@ impl<'a> Declared<'a> {
         Some((Left { columns: left.columns.saturating_sub(groups.len()), ..left }, how))
     }
 
-    /// Each row with the next one of its group and tool; of the `same` settings if asked.
+    /// Each row with the next one of its group and tool; only pairs of equal settings if `same`.
     fn pairs(&self, same: bool) -> Vec<(usize, usize)> {
         let alike =
             |a: usize, b: usize| self.values[..self.settings].iter().all(|v| (v[a] - v[b]).abs() < SAME_SETTING);
@@ -168,7 +168,8 @@ impl<'a> Declared<'a> {
         (0..self.rows.len()).filter_map(next).collect()
     }
 
-    /// What a regression on the differences of all that is declared leaves of pairs of rows.
+    /// Residual of a regression of differences within pairs of rows on the differences of all declared values, and its
+    /// description.
     fn of_pairs(&self, pairs: &[(usize, usize)], same: bool) -> Option<(Left, String)> {
         let difference = |values: &Vec<f64>| pairs.iter().map(|&(a, b)| values[b] - values[a]).collect::<Vec<f64>>();
         let columns: Vec<Vec<f64>> = self.values.iter().map(difference).collect();
@@ -178,7 +179,7 @@ impl<'a> Declared<'a> {
         Some((Left { sigma: left.sigma / std::f64::consts::SQRT_2, ..left }, how))
     }
 
-    /// Standard deviation of all removals, where no regression is possible.
+    /// Standard deviation of all removals, for tables without a possible regression.
     fn scatter(&self) -> Left {
         let mean = self.removal.iter().sum::<f64>() / self.removal.len().max(1) as f64;
         let squares: f64 = self.removal.iter().map(|removal| (removal - mean).powi(2)).sum();
@@ -187,7 +188,7 @@ impl<'a> Declared<'a> {
     }
 }
 
-/// Way of the tool under pressure since it was fresh, at the middle of each row: load times speed times duration.
+/// Use of the tool since it was fresh, at the middle of each row: load times speed times duration.
 fn used(table: &Table) -> Vec<f64> {
     let mut used = vec![0.0; table.tools.len()];
     let one = |row: &Row| {
@@ -200,9 +201,9 @@ fn used(table: &Table) -> Vec<f64> {
     table.rows.iter().map(one).collect()
 }
 
-/// What a robust regression leaves; `None` where no degree of freedom is left.
+/// Residual of a robust regression; `None` without a degree of freedom.
 ///
-/// Huber's weights (1964) lead to the outliers: rows that a t test rejects, corrected for their number. The rest is fitted
+/// Huber's weights (1964) indicate outliers: rows that a t test rejects, corrected for their number. The rest is fitted
 /// by least squares. With few degrees of freedom a median of deviations is no scale, and least squares alone are used.
 fn regression(columns: &[Vec<f64>], target: &[f64]) -> Option<Left> {
     let rows = target.len();
@@ -238,7 +239,7 @@ fn regression(columns: &[Vec<f64>], target: &[f64]) -> Option<Left> {
     Some(Left { sigma, freedom: kept.saturating_sub(rank).max(1), columns: rank })
 }
 
-/// What weighted least squares leave; weights are of the residuals, not of their squares.
+/// Residuals of weighted least squares; the weights multiply residuals, not their squares.
 fn residuals(design: &DMatrix<f64>, target: &DVector<f64>, weights: &DVector<f64>) -> Option<DVector<f64>> {
     let weighted = DMatrix::from_fn(design.nrows(), design.ncols(), |row, column| design[(row, column)] * weights[row]);
     let least = DEPENDENT * weighted.norm().max(f64::MIN_POSITIVE);

@@ -1,4 +1,5 @@
-//! A model put where a table needs it: rate constant, reference values, and bounds of what a tool's use is compared with.
+//! Adaptation of a model to a table: rate constant, reference values, and bounds of the scales with which effects
+//! compare a tool's use.
 
 use effects::{Dimension, Effect, Holder, Library, Model, Scale};
 
@@ -16,11 +17,11 @@ const VOLUME: Dimension = Dimension::whole([0, 3, 0, 0]);
 const TIME: Dimension = Dimension::whole([0, 0, 1, 0]);
 
 impl RowEvidence<'_> {
-    /// A model with the rate constant, and its bounds, where the table's median row needs them, and with
-    /// reference values at the medians of the rows. What the model itself states is left as it is.
+    /// Returns a model with its rate constant and the bounds of that matched to the table's median row, and with the
+    /// medians of the rows as reference values. Values that the model itself states are kept.
     ///
     /// # Errors
-    /// A model that the library does not know, or that cannot be evaluated.
+    /// If the library does not know the model, or it cannot be evaluated.
     pub fn scaled(&self, mut model: Model, library: &Library) -> Result<Model, String> {
         self.set_references(&mut model, library);
         self.widen_ranges(&mut model, library);
@@ -52,7 +53,7 @@ impl RowEvidence<'_> {
         median(self.table.rows.iter().filter_map(value).collect())
     }
 
-    /// Gives effects the medians of the rows as reference values.
+    /// Sets the reference values of effects to the medians of the rows.
     fn set_references(&self, model: &mut Model, library: &Library) {
         for (name, middle) in [
             ("reference_pressure", self.median_of(|row| row.pressure.or(row.force.map(|force| force / NOMINAL_AREA)))),
@@ -68,8 +69,8 @@ impl RowEvidence<'_> {
         }
     }
 
-    /// Widens the ranges of volumes, distances and times with which an effect compares the use of a tool: use far below
-    /// or above them shows nothing, so the table's own use decides which can be found.
+    /// Widens the ranges of volumes, distances and times with which an effect compares the use of a tool. Use far below
+    /// or above them has no visible effect, so the table's own use sets the ranges.
     fn widen_ranges(&self, model: &mut Model, library: &Library) {
         let owners: Vec<&Effect> = model.effects.iter().filter_map(|part| library.find(&part.name)).collect();
         for effect in owners {
@@ -90,8 +91,8 @@ impl RowEvidence<'_> {
         }
     }
 
-    /// Greatest volume [m³], distance [m] or time [s] that a tool worked since it was fresh; in one row where the order of
-    /// the rows is not that of time.
+    /// Greatest volume [m³], distance [m] or time [s] of a tool's use since it was fresh; of one row if the rows are
+    /// not in order of time.
     fn span(&self, dimension: Dimension) -> Option<f64> {
         let table = self.table;
         let area = table.area.unwrap_or(NOMINAL_AREA);

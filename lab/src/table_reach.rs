@@ -1,4 +1,4 @@
-//! Which effects rows of a table can show, and why not the others.
+//! Effects that rows of a table can show, and reasons against the others.
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 
@@ -11,10 +11,11 @@ use crate::criteria::PREDICTION_CHANGE_LEAST;
 use trials::table::Removed;
 
 impl RowEvidence<'_> {
-    /// Whether an effect can be judged on this table.
+    /// Checks that an effect can be judged on this table.
     ///
     /// # Errors
-    /// Why it cannot: it acts only across the surface, needs what no column gives, or moves all rows alike.
+    /// With the reason if it cannot: it acts only across the surface, needs a column that is missing, or changes all
+    /// rows alike.
     pub fn acts(&self, effect: &Effect) -> Result<(), String> {
         within_reach(self.table, effect, &held(effect, self.table.process))?;
         let builtin = Library::builtin();
@@ -46,10 +47,11 @@ impl RowEvidence<'_> {
         Ok([without, typical])
     }
 
-    /// Change of the logarithm of each calibration row by an effect with its default values, less each group's mean.
+    /// Change of the log prediction of each calibration row by an effect with its default values, less each group's
+    /// mean.
     ///
     /// # Errors
-    /// An effect that cannot be evaluated.
+    /// If an effect cannot be evaluated.
     pub(super) fn response(&self, effect: &Effect, library: &Library) -> Result<Vec<f64>, String> {
         let [without, with] = self.without_and_with(effect, library)?;
         let rows = self.of(Split::Calibration);
@@ -64,8 +66,8 @@ impl RowEvidence<'_> {
         Ok(changes.iter().enumerate().map(|(k, change)| change - means[group(k)]).collect())
     }
 
-    /// How far the logarithms of two predictions are apart in calibration rows: at most, and at most after each group's
-    /// mean is taken off.
+    /// Greatest difference of the logarithms of two predictions in calibration rows: as it is, and after each group's
+    /// mean is subtracted.
     fn shape(&self, a: &[f64], b: &[f64]) -> (f64, f64) {
         let rows = self.of(Split::Calibration);
         let log = |at: &usize| if a[*at] > 0.0 && b[*at] > 0.0 { (b[*at] / a[*at]).ln() } else { 0.0 };
@@ -78,11 +80,11 @@ impl RowEvidence<'_> {
         (change, (0..self.table.groups.len()).map(group).fold(0.0, f64::max))
     }
 
-    /// The free parameters of a model that this table can tell from each other's absence, and a sentence for each of the
-    /// others. Of those that move all rows alike only the first, the rate constant, is kept.
+    /// The free parameters of a model that change this table's predictions distinctly, and a sentence for each other
+    /// one. Of those that change all rows alike only the first, the rate constant, is kept.
     ///
     /// # Errors
-    /// A model that cannot be evaluated.
+    /// If the model cannot be evaluated.
     pub fn coordinates(&self, model: &CompiledModel) -> Result<(Vec<Coordinate>, Vec<String>), EvidenceError> {
         let all = Coordinate::of(model, |_| true);
         let at: Vec<f64> = all.iter().map(|c| c.clamped(c.from_value(model.value(c.index)))).collect();
@@ -106,7 +108,7 @@ impl RowEvidence<'_> {
         Ok((kept, notes))
     }
 
-    /// What the table leaves open, and what columns measure.
+    /// Sentences on values that the table omits, and on the quantities that columns measure.
     pub(super) fn assumptions(&self) -> Vec<String> {
         let table = self.table;
         let mut notes = Vec::new();

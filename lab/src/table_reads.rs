@@ -1,4 +1,4 @@
-//! What the formulas of an effect read, and whether rows of a table have it.
+//! Variables that the formulas of an effect read, and a check of whether rows of a table provide them.
 
 use std::collections::BTreeSet;
 
@@ -10,10 +10,10 @@ use super::table_noise::is_timed;
 use super::table_steps::{measuring, temperature};
 use trials::table::{Removed, Table};
 
-/// Hooks that rows have.
+/// Hooks that rows support.
 pub(super) const HOOKS: [Hook; 4] = [Hook::Spindle, Hook::Force, Hook::Rate, Hook::Dose];
 
-/// What a formula reads, looked up through definitions and states.
+/// Collector of the variables that a formula reads, through definitions and states.
 struct Reads<'a> {
     table: &'a Table,
     effect: &'a Effect,
@@ -21,13 +21,13 @@ struct Reads<'a> {
     fixed: &'a dyn Fn(&str) -> Option<f64>,
     variables: BTreeSet<Variable>,
     seen: BTreeSet<String>,
-    /// Whether the formula is of a state, in which an unknown constant speed is a matter of units.
+    /// True in the formula of a state, where an unknown constant speed only changes the unit.
     in_state: bool,
 }
 
 impl Reads<'_> {
-    /// The names in a formula that can change its value: what is divided by an infinite parameter, or multiplied with
-    /// one of zero, is switched off.
+    /// Collects the names in a formula that can change its value. Terms that are divided by an infinite parameter or
+    /// multiplied by zero are off.
     fn names<'e>(&self, tree: &'e Expr, names: &mut Vec<&'e str>) {
         let fixed = |tree: &Expr| match &tree.node {
             Node::Name(name) => (self.fixed)(name),
@@ -76,7 +76,7 @@ fn has_no_speed(table: &Table) -> bool {
     table.rows.iter().all(|row| row.speed.is_none())
 }
 
-/// Whether the formulas of an effect that rows have read only what rows have.
+/// Checks that the formulas of an effect for rows read only variables that rows provide.
 ///
 /// - `fixed`: values of parameters that no fit varies
 pub(super) fn within_reach(table: &Table, effect: &Effect, fixed: &dyn Fn(&str) -> Option<f64>) -> Result<(), String> {
@@ -110,7 +110,7 @@ pub(super) fn within_reach(table: &Table, effect: &Effect, fixed: &dyn Fn(&str) 
     variables.into_iter().try_for_each(|variable| gives(table, variable))
 }
 
-/// Whether a table can follow a state of the tool.
+/// Checks that a table can integrate a state of the tool.
 fn integrates(table: &Table, state: &State) -> Result<(), String> {
     if table.rows.iter().any(|row| row.duration.is_none()) {
         return Err(format!("remembers {}, which needs a duration", state.name));
@@ -129,7 +129,7 @@ fn integrates(table: &Table, state: &State) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether a table gives a variable.
+/// Checks that a table provides a variable.
 fn gives(table: &Table, variable: Variable) -> Result<(), String> {
     let has = |value: fn(&trials::table::Row) -> bool| table.rows.iter().all(value);
     let row = variable.row();
@@ -169,7 +169,7 @@ fn gives(table: &Table, variable: Variable) -> Result<(), String> {
     }
 }
 
-/// Values of the parameters of an effect that fits do not vary, as the library has them.
+/// Library values of the parameters of an effect that fits do not vary.
 pub(super) fn held<'e>(effect: &'e Effect, process: effects::Process) -> impl Fn(&str) -> Option<f64> + 'e {
     move |name: &str| {
         let parameter = effect.parameter(name).filter(|parameter| !parameter.free.of(process))?;
@@ -177,7 +177,7 @@ pub(super) fn held<'e>(effect: &'e Effect, process: effects::Process) -> impl Fn
     }
 }
 
-/// A copy of a model with those effects at their null values that rows cannot show.
+/// A copy of a model in which effects that rows cannot show are at their null values.
 pub(super) fn silenced(table: &Table, model: &CompiledModel) -> CompiledModel {
     let mut silent = model.clone();
     for effect in model.effects().filter(|effect| effect.kind == Kind::Effect) {

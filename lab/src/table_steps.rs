@@ -1,7 +1,7 @@
-//! Rows of a table predicted with a model: one contact of mean pressure, in which the tool moves on in time.
+//! Prediction of table rows with a model: one contact of mean pressure, integrated over time.
 //!
 //! Within a row the states of the tool are advanced by the midpoint rule; steps are halved until the removal rate
-//! changes by little in half a step.
+//! changes little in half a step.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub(super) const NOMINAL_AREA: f64 = 1e-4;
 pub(super) const NOMINAL_SPEED: f64 = 1.0;
 /// Thickness of the coating where the table does not give it [m].
 pub(super) const NOMINAL_COATING: f64 = 50e-6;
-/// Temperature from which a rise is counted where a column measures the temperature [K].
+/// Temperature that counts as no rise, if a column measures the temperature [K].
 pub(super) const ROOM: f64 = 293.15;
 /// Dimension of a temperature.
 pub(super) const KELVIN: Dimension = Dimension::whole([0, 0, 0, 1]);
@@ -26,19 +26,19 @@ const LENGTH: Dimension = Dimension::whole([0, 1, 0, 0]);
 const USAGE: &str = "usage";
 /// Largest relative change of the removal rate in half a step.
 const CHANGE: f64 = 0.02;
-/// Steps of a row at first, and halvings of them at most.
+/// Initial number of steps of a row, and most halvings.
 const STEPS: (f64, i32) = (4.0, 10);
-/// Rounds of the search for the force that a sensor reads as the logged one.
+/// Most iterations of the search for the true force of a force reading.
 const FORCE_ROUNDS: usize = 20;
-/// Accuracy of that force.
+/// Relative tolerance of that force.
 const FORCE_SAME: f64 = 1e-10;
 
 /// A state of the tool that a column measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Measured {
-    /// Hook among the model's tool states.
+    /// Index among the model's tool states.
     state: usize,
-    /// Hook among [`Table::usage`].
+    /// Index in [`Table::usage`].
     usage: usize,
     /// Value of the column at which the state is zero [SI].
     zero: f64,
@@ -51,23 +51,23 @@ pub(super) struct Rows<'a> {
     area: f64,
     coating: f64,
     measured: Vec<Measured>,
-    /// What the hooks read per place of the workpiece, where a row has one value for all of it.
+    /// Values of variables that hooks read per cell of the workpiece; a row has one value for all cells.
     neutral: BTreeMap<Variable, [f64; 1]>,
 }
 
-/// Where a row stands.
+/// Time and progress within a row.
 #[derive(Clone, Copy)]
 struct Clock {
-    /// Since the first row [s].
+    /// Time since the first row [s].
     trial: f64,
-    /// Since the row began [s].
+    /// Time since the row began [s].
     row: f64,
-    /// Removed since then: depth [m] and dose.
+    /// Removal since the row began: depth [m] and dose.
     depth: f64,
     dose: f64,
 }
 
-/// What the tool does at an instant.
+/// Rates of the contact at an instant.
 struct Instant {
     step: StepValues,
     /// Recession, or coating taken off, per time [m/s].
@@ -75,8 +75,8 @@ struct Instant {
     dose_rate: f64,
 }
 
-/// The column that measures a state, as its place among [`Table::usage`]: by name, else the only one of its dimension. A
-/// length may be anything, so it is a distance slid only where the table calls it `usage`.
+/// Index in [`Table::usage`] of the column that measures a state: by name, else the only one of its dimension. Any
+/// length may have the dimension of a sliding distance, so the column must be declared as `usage`.
 pub(super) fn measuring(table: &Table, effect: &str, state: &effects::State) -> Option<usize> {
     if state.per != Holder::Tool {
         return None;
@@ -128,7 +128,7 @@ impl<'a> Rows<'a> {
     /// Mean removal rate of every row, as [`Row::removal_rate`].
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// If a formula gives no finite number.
     pub(super) fn predicted(&self) -> Result<Vec<f64>, RunError> {
         let mut tools = vec![States::new(self.model, 1); self.table.tools.len()];
         let mut worked = 0.0;
@@ -146,7 +146,7 @@ impl<'a> Rows<'a> {
         each.collect()
     }
 
-    /// Does the work of one row. Returns the mean recession speed [m/s].
+    /// Integrates one row. Returns the mean recession speed [m/s].
     fn work(&self, row: &Row, began: f64, states: &mut States) -> Result<f64, RunError> {
         let mut clock = Clock { trial: began, row: 0.0, depth: 0.0, dose: 0.0 };
         self.read_in(row, states);
@@ -185,7 +185,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// What the tool does at an instant.
+    /// Evaluates the contact at an instant.
     fn at(&self, row: &Row, clock: Clock, states: &States) -> Result<Instant, RunError> {
         let mut step = StepValues::new();
         let reading = row.force.or(row.pressure.map(|pressure| pressure * self.area)).unwrap_or_default();
@@ -213,7 +213,7 @@ impl<'a> Rows<'a> {
         Ok(Instant { step, speed: rate + dose_rate * self.coating, dose_rate })
     }
 
-    /// Sets the speeds as the model has them.
+    /// Sets the speeds from the model's spindle hook.
     fn spin(&self, row: &Row, states: &States, step: &mut StepValues) -> Result<(), RunError> {
         let speed = row.speed.unwrap_or(NOMINAL_SPEED);
         step.set(Variable::SlidingSpeed, speed);
@@ -226,7 +226,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// The force [N] that the sensor reads as `reading`, by the secant rule.
+    /// Force [N] that the sensor reads as `reading`, by the secant rule.
     fn true_force(&self, reading: f64, states: &States, step: &mut StepValues) -> Result<f64, RunError> {
         if !self.model.has(Hook::Force) {
             return Ok(reading);

@@ -9,17 +9,18 @@ use super::tiles::Tiles;
 use crate::criteria::{NOISE_BLOCK_SHARE, NOISE_CUT_SIGMAS};
 use trials::measure::centre_and_sigma;
 
-/// Sides of the square blocks of tiles that a likelihood is a product over, largest first.
+/// Sides of the square blocks of tiles over which a likelihood is a product, in descending order.
 const BLOCK_SIDES: [usize; 6] = [12, 10, 8, 6, 5, 4];
-/// Lengths of kernels that are tried [tiles]: what is shorter is a tile's own, what is longer than half a block looks like
-/// the scan's pose.
+/// Correlation lengths that are tried [tiles]. A shorter one is independent noise of a tile; one above half a block
+/// resembles the scan's pose.
 const NOISE_LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-/// Factors to both sides of the best length that are tried next: half the way to the next length, then half of that.
+/// Factors on both sides of the best length that are tried next: half the logarithmic distance to the next length, then
+/// half of that.
 const LENGTH_STEPS: [f64; 3] = [1.414, 1.189, 1.09];
-/// Steps of the search for the share that neighbours have in common.
+/// Steps of the search for the correlated share.
 const SHARE_STEPS: usize = 24;
 
-/// How the noise that tiles share falls with their distance (Rasmussen and Williams 2006, section 4.2).
+/// Correlation function of the noise that tiles share (Rasmussen and Williams 2006, section 4.2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kernel {
@@ -35,10 +36,10 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// All of them, roughest first.
+    /// All kernels, roughest first.
     pub const ALL: [Self; 4] = [Self::Exponential, Self::Matern32, Self::Matern52, Self::Gaussian];
 
-    /// For people.
+    /// Description for display.
     pub fn words(self) -> &'static str {
         match self {
             Self::Exponential => "exponential",
@@ -48,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Correlation at a distance over the kernel's length.
+    /// Correlation at a distance divided by the kernel's length.
     pub fn at(self, distance: f64) -> f64 {
         let scaled = |nu: f64| nu.sqrt() * distance;
         match self {
@@ -60,55 +61,55 @@ impl Kernel {
     }
 }
 
-/// Noise of a tile's mean, one scan.
+/// Noise of a tile's mean in one scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileNoise {
-    /// Standard deviation of the part that each tile has alone [m].
+    /// Standard deviation of the part that is independent between tiles [m].
     pub alone: f64,
-    /// Standard deviation of the part that neighbours share [m].
+    /// Standard deviation of the part that is correlated between tiles [m].
     pub shared: f64,
-    /// Length of the kernel [m].
+    /// Correlation length of the kernel [m].
     pub length: f64,
-    /// How the shared part falls with distance.
+    /// Correlation function of the correlated part.
     pub kernel: Kernel,
 }
 
-/// A fitted noise and what whitening leaves of the scans that it was fitted to.
+/// Fitted noise and the whitened differences that it was fitted to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedNoise {
     /// The noise.
     pub noise: TileNoise,
-    /// Whitened difference of the two scans, block by block, row by row; variance one where the noise is right.
+    /// Whitened difference of the two scans, block by block, row by row; variance one where the noise model is right.
     pub whitened: Vec<Vec<f64>>,
     /// Tiles along each side of a block.
     pub side: usize,
 }
 
-/// Square blocks of tiles without holes, by map.
+/// Square blocks of tiles without missing ones, by map.
 struct Blocks {
     side: usize,
     values: Vec<Vec<DVector<f64>>>,
 }
 
-/// A kernel of a length on a block: principal fields, their variances, and the data along them.
+/// Eigendecomposition of a kernel of given length on a block: eigenvectors, eigenvalues, and the data along them.
 struct Spectrum {
     variances: DVector<f64>,
     along: Vec<Vec<DVector<f64>>>,
     fields: DMatrix<f64>,
 }
 
-/// What likelihood gives to one kernel and length.
+/// Maximum-likelihood result for one kernel and length.
 struct Candidate {
     cost: f64,
     kernel: Kernel,
     length: f64,
     share: f64,
-    /// Of the difference, by map.
+    /// Variance of the difference, by map.
     variances: Vec<f64>,
 }
 
 impl FittedNoise {
-    /// Noise of a standard deviation [m] that each tile has alone, fitted to no difference of scans.
+    /// Independent noise of given standard deviation [m], not fitted to differences of scans.
     pub fn alone(sigma: f64) -> Self {
         let noise = TileNoise { alone: sigma, shared: 0.0, length: 0.0, kernel: Kernel::default() };
         Self { noise, whitened: Vec::new(), side: 0 }
@@ -121,15 +122,15 @@ impl TileNoise {
         self.alone.hypot(self.shared)
     }
 
-    /// Covariance of the parts of two tiles' means that neighbours share [m²].
+    /// Covariance of the correlated parts of two tiles' means [m²].
     fn shared_between(&self, a: DVec2, b: DVec2) -> f64 {
         let share = if self.length > 0.0 { self.kernel.at(a.distance(b) / self.length) } else { 0.0 };
         self.shared * self.shared * share
     }
 
-    /// Covariance of a scan's tiles. `before`, one value per tile, is how much of the noise of the scan before is still
-    /// in the simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. Of what a tile has alone, the mean of
-    /// fewer pixels holds more.
+    /// Covariance of a scan's tiles. `before`, one value per tile, is the share of the previous scan's noise in the
+    /// simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. The independent part is larger
+    /// for a mean over fewer pixels.
     pub fn covariance(&self, tiles: &Tiles, before: &[f64]) -> DMatrix<f64> {
         let alone = |i: usize| self.alone * self.alone / tiles.share_known(i);
         DMatrix::from_fn(tiles.len(), tiles.len(), |i, j| {
@@ -138,15 +139,15 @@ impl TileNoise {
         })
     }
 
-    /// The noise that makes the tile means of differences of two scans of one surface most likely: the part alone, the
-    /// part shared, its length and its kernel. All maps have one shape of noise, and each its own size. The likelihood is a
-    /// product over blocks of tiles (Vecchia 1988), so that slow waves that no fit could tell from the scan's pose do not
-    /// count. Tile means are cut at some standard deviations, first of all of them, then of what a first fit expects of
-    /// each given its neighbours.
+    /// Fits the noise to tile means of differences of two scans of one surface by maximum likelihood: its independent
+    /// part, its correlated part, its length and its kernel. All maps share one correlation function, and have an
+    /// amplitude each. The likelihood is a product over blocks of tiles (Vecchia 1988), so that long waves, which no
+    /// fit can distinguish from the scan's pose, do not count. Outlying tile means are cut: first relative to all, then
+    /// relative to the prediction of a first fit from their neighbours.
     ///
     /// - `differences`: means of regular grids of tiles [m], NaN where one is not known
     ///
-    /// `None` for maps with too few tiles.
+    /// The result is `None` for maps with too few tiles.
     pub fn fitted(differences: &[HeightMap]) -> Vec<Option<FittedNoise>> {
         let mut all = vec![None; differences.len()];
         let usable = |k: &usize| Blocks::side_of(&differences[*k]).is_some();
@@ -164,7 +165,7 @@ impl TileNoise {
         all
     }
 
-    /// The noise of one scan, whose difference to another has twice the variance.
+    /// Noise of one scan; the difference of two scans has twice the variance.
     fn of(best: &Candidate, difference_variance: f64, pitch: f64) -> Self {
         let variance = 0.5 * difference_variance;
         Self {
@@ -177,7 +178,7 @@ impl TileNoise {
 }
 
 impl Blocks {
-    /// The noise of each map; `None` without maps.
+    /// Noise of each map; `None` without maps.
     fn fitted(maps: &[&HeightMap]) -> Option<Vec<FittedNoise>> {
         let side = maps.iter().filter_map(|map| Self::side_of(map)).min()?;
         let blocks = Self { side, values: maps.iter().map(|map| Self::cut(map, side)).collect() };
@@ -190,7 +191,7 @@ impl Blocks {
         Some(noises.zip(whitened).map(|(noise, whitened)| FittedNoise { noise, whitened, side }).collect())
     }
 
-    /// Side of the largest blocks that cover most of what is known of a map.
+    /// Side of the largest blocks that cover most of the known area of a map.
     fn side_of(map: &HeightMap) -> Option<usize> {
         let known = map.heights.iter().filter(|height| height.is_finite()).count() as f64;
         let covers = |&side: &usize| {
@@ -200,7 +201,7 @@ impl Blocks {
         BLOCK_SIDES.into_iter().find(covers)
     }
 
-    /// First tile of each block without holes.
+    /// First tile of each block without missing tiles.
     fn corners(map: &HeightMap, side: usize) -> impl Iterator<Item = usize> {
         let (nx, ny) = (map.pixels.nx, map.pixels.ny);
         let whole =
@@ -208,7 +209,7 @@ impl Blocks {
         (0..ny / side).flat_map(move |j| (0..nx / side).map(move |i| j * side * nx + i * side)).filter(whole)
     }
 
-    /// The blocks of a map, values cut where they lie far from all others.
+    /// Blocks of a map, with outlying values cut.
     fn cut(map: &HeightMap, side: usize) -> Vec<DVector<f64>> {
         let known: Vec<f64> = map.heights.iter().copied().filter(|height| height.is_finite()).collect();
         let (centre, sigma) = centre_and_sigma(&known).unwrap_or_default();
@@ -220,14 +221,14 @@ impl Blocks {
         Self::corners(map, side).map(block).collect()
     }
 
-    /// The blocks with values cut where they lie too far from what the others of their block make of them: a spike that is
+    /// Blocks with values cut that deviate too far from their prediction by the others of the block: a spike that is
     /// small among all tiles is large beside its neighbours.
     fn without_outliers(self, best: &Candidate) -> Self {
         let spectrum = self.spectrum(best.kernel, best.length);
         let weights = best.weights(&spectrum).map(f64::recip);
         let precision = &spectrum.fields * DMatrix::from_diagonal(&weights) * spectrum.fields.transpose();
         let cut = |values: DVector<f64>, most: f64| {
-            // The residual of a value that is left out (Rasmussen and Williams 2006, equation 5.12).
+            // Leave-one-out residual (Rasmussen and Williams 2006, equation 5.12).
             let left = &precision * &values;
             let beyond = |k: usize| {
                 let (own, sigma) = (left[k] / precision[(k, k)], precision[(k, k)].sqrt().recip());
@@ -242,13 +243,13 @@ impl Blocks {
         Self { values: self.values.into_iter().zip(&best.variances).map(map).collect(), ..self }
     }
 
-    /// The most likely kernel of all.
+    /// Kernel with the greatest likelihood.
     fn best(&self) -> Option<Candidate> {
         let best = Kernel::ALL.map(|kernel| self.best_length(kernel));
         best.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// The most likely length of a kernel: the best of a few, then of those beside it.
+    /// Most likely length of a kernel: the best of a few, then of those beside it.
     fn best_length(&self, kernel: Kernel) -> Option<Candidate> {
         let longest = 0.5 * self.side as f64;
         let of = |length: f64| (length <= longest).then(|| self.candidate((kernel, length)));
@@ -261,7 +262,7 @@ impl Blocks {
         Some(best)
     }
 
-    /// The most likely share of a kernel of a length.
+    /// Most likely correlated share for a kernel and length.
     fn candidate(&self, (kernel, length): (Kernel, f64)) -> Candidate {
         let spectrum = self.spectrum(kernel, length);
         let of_share = |share: f64| {
@@ -282,7 +283,7 @@ impl Blocks {
         Spectrum { variances: eigenvalues.map(|v| v.max(0.0)), along, fields: eigenvectors }
     }
 
-    /// By map and block.
+    /// Whitened data, by map and block.
     fn whitened(&self, best: &Candidate) -> Vec<Vec<Vec<f64>>> {
         let spectrum = self.spectrum(best.kernel, best.length);
         let scale = best.weights(&spectrum).map(|weight| weight.sqrt().recip());
@@ -298,14 +299,14 @@ impl Blocks {
 }
 
 impl Candidate {
-    /// Variance along each field of a spectrum over that of a value.
+    /// Variance along each eigenvector over that of a value.
     fn weights(&self, spectrum: &Spectrum) -> DVector<f64> {
         spectrum.variances.map(|v| (1.0 - self.share) + self.share * v)
     }
 }
 
 impl Spectrum {
-    /// Twice the negative logarithm of the likelihood with the variances that make it greatest, and these, by map.
+    /// Twice the negative log likelihood, minimised over the variances, and these variances, by map.
     fn cost(&self, share: f64) -> (f64, Vec<f64>) {
         let weights = self.variances.map(|v| (1.0 - share) + share * v);
         let logs: f64 = weights.iter().map(|w| w.ln()).sum();
@@ -333,7 +334,7 @@ mod tests {
 
     const SHAPE: (usize, usize) = (48, 24);
 
-    /// The difference of two scans of one surface, tiles 1 mm apart.
+    /// Simulated difference of two scans of one surface, tiles 1 mm apart.
     fn difference(noise: TileNoise, seed: u64) -> HeightMap {
         let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 1e-3, nx: SHAPE.0, ny: SHAPE.1 };
         let places: Vec<DVec2> = (0..SHAPE.0 * SHAPE.1).map(|k| pixels.position(k % SHAPE.0, k / SHAPE.0)).collect();

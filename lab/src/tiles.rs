@@ -1,5 +1,5 @@
-//! Square groups of pixels: the data of a fit. Their means keep what physics does to a surface, and are few enough that
-//! the covariance of all of them can be written down.
+//! Tiles: square groups of pixels whose means are the data of a fit. The means preserve physical changes of the
+//! surface, and are few enough for a dense covariance matrix.
 
 use std::collections::HashSet;
 
@@ -17,20 +17,20 @@ pub struct TileGrid {
     pub side: usize,
 }
 
-/// Tiles of a map that are data, with the pixels that count in each.
+/// Tiles that serve as data, with the pixels that count in each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tiles {
-    /// The grid they are part of.
+    /// The grid that contains them.
     pub grid: TileGrid,
-    /// Mean place of the pixels of each [m].
+    /// Mean position of the pixels of each [m].
     pub centres: Vec<DVec2>,
-    /// Number of each in the grid, x running fastest.
+    /// Cell of each in the grid, x running fastest.
     pub cells: Vec<usize>,
     members: Vec<Vec<u32>>,
 }
 
 impl TileGrid {
-    /// Tiles along x and y; a rest that fills no tile is left out.
+    /// Number of tiles along x and y; incomplete tiles at the end are left out.
     pub fn shape(&self) -> (usize, usize) {
         (self.pixels.nx / self.side, self.pixels.ny / self.side)
     }
@@ -42,7 +42,7 @@ impl TileGrid {
         (0..self.side * self.side).map(move |k| self.pixels.at(i + k % self.side, j + k / self.side))
     }
 
-    /// The tiles whose pixels `takes` mostly accepts.
+    /// Tiles of which `takes` accepts most pixels.
     pub fn tiles(self, takes: impl Fn(usize) -> bool) -> Tiles {
         let mut tiles = Tiles { grid: self, centres: Vec::new(), cells: Vec::new(), members: Vec::new() };
         let (nx, ny) = self.shape();
@@ -60,7 +60,7 @@ impl TileGrid {
         tiles
     }
 
-    /// A map of the means of all tiles, NaN where too little is known: a scan through a coarser instrument.
+    /// Map of the means of all tiles, NaN where too little is known.
     pub fn coarsened(self, values: &[f64]) -> HeightMap {
         let tiles = self.tiles(|at| values[at].is_finite());
         let ((nx, ny), pitch) = (self.shape(), self.pixels.pitch * self.side as f64);
@@ -74,7 +74,7 @@ impl TileGrid {
 }
 
 impl Tiles {
-    /// Some of the tiles.
+    /// The tiles of given indices.
     pub fn of_which(&self, kept: &[usize]) -> Self {
         Self {
             grid: self.grid,
@@ -84,7 +84,7 @@ impl Tiles {
         }
     }
 
-    /// The same tiles without some pixels; one that would be left without any keeps its own.
+    /// The same tiles without some pixels; a tile that would lose all of them keeps them.
     pub fn without(&self, pixels: &[usize]) -> Self {
         let pixels: HashSet<u32> = pixels.iter().map(|&at| at as u32).collect();
         let kept = |of: &Vec<u32>| {
@@ -99,7 +99,7 @@ impl Tiles {
         self.cells.len()
     }
 
-    /// Whether there is none.
+    /// True if there are no tiles.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
@@ -115,7 +115,7 @@ impl Tiles {
         self.members.iter().map(mean).collect()
     }
 
-    /// Pixels of all tiles with the tile of each.
+    /// Pixels of all tiles, each with its tile.
     pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let of = |(tile, members): (usize, &'_ Vec<u32>)| {
             members.iter().map(move |&at| (tile, at as usize)).collect::<Vec<_>>()

@@ -1,4 +1,4 @@
-//! What was removed in all: the one figure that the removal rate alone can be fitted to.
+//! Total removal: the one figure to which the removal rate alone can be fitted.
 
 use effects::CompiledModel;
 use sdf_bake::HeightMap;
@@ -13,39 +13,38 @@ use trial_simulation::SimulatedPass;
 use trials::measure::median;
 use trials::trial::PassScan;
 
-/// What was removed up to a scan, or by the rows of a table.
+/// Total removal up to a scan, or by the rows of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Total {
-    /// Which data, for people.
+    /// Display name of the data.
     pub about: String,
-    /// Measured: volume [m³], bare area [m²], or for rows the geometric mean of the removal rates.
+    /// Measured value: volume [m³], exposed area [m²], or for rows the geometric mean of the removal rates.
     pub measured: f64,
-    /// The same as a model predicts it; for rows, as the middle one of them differs.
+    /// Value that a model predicts; for rows, the measured one times the median ratio.
     pub predicted: f64,
-    /// Standard deviation of the measured one.
+    /// Standard deviation of the measured value.
     pub sigma: f64,
 }
 
 impl Total {
-    /// Predicted minus measured, and its standard deviation, as shares of the measured one.
+    /// Predicted minus measured, and its standard deviation, relative to the measured value.
     pub fn error(&self) -> (f64, f64) {
         ((self.predicted - self.measured) / self.measured, self.sigma / self.measured)
     }
 }
 
-/// Data that also tell what was removed in all, and how far they are from a model as they came.
+/// Data with total removals, and with errors before registration.
 pub trait Totals: Evidence {
     /// One total for each scan of a split, or one for a table.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError>;
 
-    /// Root mean square of measured minus simulated before any scan is laid on the model [m]; empty where there is nothing
-    /// to be laid.
+    /// Root mean square of measured minus simulated before registration [m]; empty if there is nothing to register.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
 }
 
@@ -70,7 +69,7 @@ impl Totals for ScanEvidence<'_> {
 }
 
 impl ScanEvidence<'_> {
-    /// As [`Totals::totals`], of passes that were simulated already.
+    /// As [`Totals::totals`], for passes that were simulated already.
     pub(super) fn totals_of(
         &self,
         (passes, model): (&[Vec<SimulatedPass>], &CompiledModel),
@@ -97,7 +96,7 @@ fn margin(pass: &SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, Evide
     Ok(pass.surface.dose_margin(model)?.expect("a sanded surface has doses"))
 }
 
-/// Volumes under all tiles.
+/// Removed volume under all tiles.
 fn volume(data: &HeightView, simulated: &HeightMap, before: &HeightMap) -> Total {
     let area = data.measured.pixels.pitch.powi(2);
     let left = data.left_held(simulated);
@@ -109,7 +108,7 @@ fn volume(data: &HeightView, simulated: &HeightMap, before: &HeightMap) -> Total
     Total { about: String::new(), measured: predicted - missing, predicted, sigma: data.volume_sigma() }
 }
 
-/// Areas on which substrate shows, over all tiles.
+/// Exposed area over all tiles.
 fn bare_area(data: &ExposureView, margin: &[f64]) -> Total {
     let pixel = data.measured.pixels.pitch.powi(2);
     let area =
@@ -127,7 +126,7 @@ impl Totals for RowEvidence<'_> {
         }
         let rate = |at: usize| self.table.rows[at].removal_rate.expect("rows of a split have a removal");
         let mean = rows.iter().map(|&at| rate(at).ln()).sum::<f64>() / rows.len() as f64;
-        // The middle row's difference: rows that are grossly wrong do not count.
+        // The median difference: grossly wrong rows do not count.
         let differences = rows.iter().map(|&at| (predicted[at].max(f64::MIN_POSITIVE) / rate(at)).ln()).collect();
         let measured = mean.exp();
         let predicted = measured * median(differences).unwrap_or(0.0).exp();

@@ -1,26 +1,26 @@
-//! How well a fit knows its parameters: by the noise that whitening assumes, by how much blocks of the data differ in
-//! what they ask for, and by what the simulation's lattice and its smooth error move them.
+//! Uncertainty of fitted parameters: from the noise that whitening assumes, from the variation between blocks of the
+//! data, and from the lattice error and the smooth error of the simulation.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::{Fit, weights};
 use super::simulation_errors::{SHARE_SPREAD, with_lattice_error};
 
-/// What a fit's data say about its parameters beside the curvature of the sum of squares.
+/// Contributions to the covariance of a fit's parameters beside the curvature of χ².
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doubt {
     /// Sum over blocks of the outer products of their scores, shape [coordinates, coordinates].
     scores: DMatrix<f64>,
-    /// Change of the coordinates where the data hold more of the lattice's error by [`SHARE_SPREAD`] than the fit took out.
+    /// Change of the coordinates where the share of the lattice error in the data is off by [`SHARE_SPREAD`].
     lattice_shift: DVector<f64>,
     /// Change of the coordinates by each term of the simulation's smooth error, shape [coordinates, terms].
     smooth_shifts: DMatrix<f64>,
 }
 
 impl Doubt {
-    /// Doubt of a fit.
+    /// Computes the contributions for a fit.
     ///
-    /// - `blocks`: for each residual the number of its block
+    /// - `blocks`: block number of each residual
     /// - `lattice`: see [`Evidence::lattice_field`](super::evidence::Evidence::lattice_field)
     /// - `smooth`: see [`Evidence::smooth_errors`](super::evidence::Evidence::smooth_errors)
     pub(super) fn of(fit: &Fit, blocks: &[usize], (lattice, smooth): (&[f64], &DMatrix<f64>)) -> Self {
@@ -32,7 +32,7 @@ impl Doubt {
     }
 }
 
-/// Products of the blocks' scores, with the factor that few blocks need (Liang and Zeger 1986).
+/// Sum of outer products of the blocks' scores, with the small-sample factor for few blocks (Liang and Zeger 1986).
 fn scores(fit: &Fit, blocks: &[usize]) -> DMatrix<f64> {
     let count = blocks.iter().max().map_or(0, |most| most + 1);
     let mut scores = DMatrix::zeros(fit.at.len(), count);
@@ -47,8 +47,8 @@ fn scores(fit: &Fit, blocks: &[usize]) -> DMatrix<f64> {
     factor * &scores * scores.transpose()
 }
 
-/// The step that a fit takes when the share of the lattice's error is off by [`SHARE_SPREAD`]. As a degree of freedom of the
-/// data it would take all of that up; so it is one no more.
+/// Step of a fit when the share of the lattice error is off by [`SHARE_SPREAD`]. As a degree of freedom of the data it
+/// would absorb all of that; here it is not one.
 fn lattice_shift(jacobian: &DMatrix<f64>, field: &[f64]) -> DVector<f64> {
     if field.is_empty() {
         return DVector::zeros(jacobian.ncols());
@@ -62,8 +62,8 @@ fn lattice_shift(jacobian: &DMatrix<f64>, field: &[f64]) -> DVector<f64> {
         .map_or_else(|| DVector::zeros(jacobian.ncols()), |normal| normal.solve(&pull))
 }
 
-/// The step that a fit takes where the data hold a term of the smooth error, shape [coordinates, terms] (Kennedy and
-/// O'Hagan 2001: a model discrepancy of known covariance).
+/// Step of a fit for each term of the smooth error in the data, shape [coordinates, terms] (Kennedy and O'Hagan 2001: a
+/// model discrepancy of known covariance).
 fn smooth_shifts(jacobian: &DMatrix<f64>, smooth: &DMatrix<f64>) -> DMatrix<f64> {
     if smooth.ncols() == 0 {
         return DMatrix::zeros(jacobian.ncols(), 0);
@@ -74,9 +74,9 @@ fn smooth_shifts(jacobian: &DMatrix<f64>, smooth: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl Fit {
-    /// Covariance of the coordinates, infinite for those that change nothing; `None` where the data do not fix the
-    /// others. Of the curvature's standard deviation, times `spread`, and that of the blocks' scores (Huber 1967; Liang and
-    /// Zeger 1986) the larger counts. What the lattice moves is added as a whole, what the smooth error moves term by term.
+    /// Covariance of the coordinates, infinite for those that change nothing; `None` if the data do not determine the
+    /// others. Of the standard deviations from the curvature, times `spread`, and from the blocks' scores (Huber 1967;
+    /// Liang and Zeger 1986) the larger is used. The lattice error is added as one term, the smooth error term by term.
     pub fn covariance(&self, spread: f64) -> Option<DMatrix<f64>> {
         let informed: Vec<usize> = (0..self.at.len()).filter(|&k| self.jacobian.column(k).norm() > 0.0).collect();
         let jacobian = self.jacobian.select_columns(&informed);
@@ -111,18 +111,18 @@ mod tests {
 
     #[test]
     fn a_fit_of_the_mean_moves_by_what_the_lattice_lifts() {
-        // Heights in units of their noise; the lattice lifts all of them by 3, and a height is fitted to them.
+        // Heights in units of their noise; the lattice raises all of them by 3, and one height is fitted to them.
         let (field, lifted) = ([3.0; 40], [-1.0; 40]);
         let [still, moved] = [[0.0; 40], lifted].map(|residuals| without_lattice_error(&residuals, &field));
         let column: Vec<f64> = moved.iter().zip(&still).map(|(moved, still)| moved - still).collect();
         let shift = lattice_shift(&DMatrix::from_vec(40, 1, column), &field);
-        // Measured minus simulated falls by what is added to the simulation, and so does the height that is fitted.
+        // Measured minus simulated falls by the amount added to the simulation, and so does the fitted height.
         assert!((shift[0] + 3.0 * SHARE_SPREAD).abs() < 1e-12, "{shift}");
     }
 
     #[test]
     fn a_mean_is_as_uncertain_as_the_smooth_errors_of_its_data() {
-        // Forty heights in units of their noise; a smooth error of standard deviation 2 lifts half of them.
+        // Forty heights in units of their noise; a smooth error of standard deviation 2 raises half of them.
         let smooth = DMatrix::from_fn(40, 1, |row, _| if row < 20 { 2.0 } else { 0.0 });
         let shifts = smooth_shifts(&DMatrix::from_element(40, 1, 1.0), &smooth);
         assert!((shifts[(0, 0)] - 1.0).abs() < 1e-12, "{shifts}");

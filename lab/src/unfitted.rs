@@ -1,4 +1,4 @@
-//! Effects that a search looked at and did not weigh, each with the reason.
+//! Effects that a search looked at and did not weigh, with the reasons.
 
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ pub struct Unfitted {
     pub title: String,
     /// Number of the search, from 1.
     pub search: usize,
-    /// Why it was not weighed.
+    /// Reason for not weighing it.
     pub reason: String,
 }
 
@@ -31,7 +31,7 @@ impl Round {
     }
 }
 
-/// Why an effect with a rank among all by what it promised was not weighed.
+/// Reason for not weighing an effect, given its rank by expected Δχ².
 fn reason(rank: usize, screened: &Screened) -> String {
     let delta_chi2 = screened.delta_chi2;
     if delta_chi2 <= FITTED_DELTA_CHI2 {

@@ -1,4 +1,4 @@
-//! What the errors of a search's models say, in one word.
+//! Verdict of a search, from the errors of its models.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,19 +10,19 @@ use crate::criteria::{
     TESTABLE_SHARE, UNEXPLAINED_NOISE, UNEXPLAINED_REMOVAL,
 };
 
-/// What the data say.
+/// Verdict on the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Effects that nothing else can stand for.
+    /// Effects that no other effect can replace.
     Identified,
-    /// One of a class of effects that these data cannot distinguish.
+    /// One of a class of indistinguishable effects.
     Ambiguous,
-    /// Effects were found, and more is missing.
+    /// Effects were found, and something is still missing.
     Partly,
     /// Something is missing that no effect of the library describes.
     Unknown,
-    /// One effect shows and no other like it, but it is too small to be named.
+    /// One effect is significant and distinguishable, but too small to be named.
     Hint,
     /// Nothing is missing that these data could show.
     NothingMissing,
@@ -37,39 +37,39 @@ pub(super) struct Standing<'a> {
     pub calibration: &'a [Agreement],
     /// Agreement with the held-out data.
     pub evaluation: &'a [Agreement],
-    /// Root mean square of what the closure explains of the calibration data beside the model, in their unit.
+    /// Root mean square of the part that the closure explains of the calibration data beside the model, in their unit.
     pub closed: f64,
 }
 
-/// A model of a chain of searches: the first, or one with an effect more than the one before.
+/// A model of a chain of searches: the first, or one with one effect more than the one before.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Searched {
     /// Agreement with the calibration data.
     pub calibration: Vec<Agreement>,
     /// Agreement with the held-out data.
     pub evaluation: Vec<Agreement>,
-    /// Root mean square of what the closure explains of the calibration data beside it, in their unit.
+    /// Root mean square of the part that the closure explains of the calibration data beside it, in their unit.
     #[serde(default)]
     pub closed: f64,
-    /// Probability of the effect; 1 of the first model.
+    /// Probability of the effect; 1 for the first model.
     pub probability: f64,
 }
 
 impl Searched {
-    /// The same as a verdict sees it.
+    /// Its errors, as a verdict reads them.
     pub(super) fn standing(&self) -> Standing<'_> {
         Standing { calibration: &self.calibration, evaluation: &self.evaluation, closed: self.closed }
     }
 }
 
-/// How a search ended.
+/// End of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SearchEnd {
-    /// No further effect is large and sure enough, or none is needed.
+    /// No further effect is admissible, or none is needed.
     Exhausted,
-    /// An effect is large and sure enough, but cannot be the cause.
+    /// An effect is admissible, but cannot be the cause.
     Refused,
-    /// More might be found.
+    /// The search was cut short; more might be found.
     CutShort,
 }
 
@@ -78,22 +78,22 @@ pub(super) fn rms(of: &[Agreement], value: impl Fn(&Agreement) -> f64) -> f64 {
     (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt()
 }
 
-/// What the scans' noise does not explain.
+/// Root mean square residual in excess of the noise floor.
 pub fn unexplained(of: &[Agreement]) -> f64 {
     (rms(of, |a| a.rms).powi(2) - rms(of, |a| a.noise).powi(2)).max(0.0).sqrt()
 }
 
-/// The greater of the given shares of the mean removal and of the noise.
+/// The greater of given multiples of the mean removal and of the noise.
 fn of_either(of: &[Agreement], shares: (f64, f64)) -> f64 {
     (shares.0 * rms(of, |a| a.scale)).max(shares.1 * rms(of, |a| a.noise))
 }
 
-/// Whether more is left than the given shares of the mean removal and of the noise.
+/// Returns true if the unexplained residual exceeds given multiples of the mean removal and of the noise.
 fn exceeds(of: &[Agreement], shares: (f64, f64)) -> bool {
     unexplained(of) > of_either(of, shares)
 }
 
-/// The size from which a change of the calibration data matters, given how well a model describes them.
+/// Least relevant size of a change of the calibration data, given the agreement of a model with them.
 pub(super) fn least_size(of: &[Agreement]) -> f64 {
     (EFFECT_SIZE_SMOOTH * rms(of, |a| a.smooth_error)).max(EFFECT_SIZE_FLOOR * rms(of, |a| a.floor))
 }
@@ -105,43 +105,43 @@ impl Standing<'_> {
             || exceeds(self.calibration, (UNEXPLAINED_REMOVAL, UNEXPLAINED_NOISE))
     }
 
-    /// True if the unexplained mean square is at most a share of what another model, `before`, leaves unexplained.
+    /// True if the unexplained mean square is at most `share` of that of another model, `before`.
     fn leaves_at_most(&self, share: f64, before: &Self) -> bool {
         let left = |of: &Self| unexplained(of.calibration).max(of.closed).powi(2);
         left(self) <= share * left(before)
     }
 }
 
-/// Whether a model misses data that it was not fitted to.
+/// Returns true if a model misses data that it was not fitted to.
 pub(super) fn misses(held_out: &[Agreement]) -> bool {
     exceeds(held_out, (HELD_OUT_REMOVAL, HELD_OUT_NOISE))
 }
 
-/// Whether all is explained but for so much of the unexplained mean square.
+/// Returns true if the unexplained mean square after is at most `share` of that before.
 fn leaves_at_most(share: f64, before: &[Agreement], after: &[Agreement]) -> bool {
     unexplained(after).powi(2) <= share * unexplained(before).powi(2)
 }
 
-/// Whether an effect does not do harm to held-out data that no fit has seen: their errors rise by no more than the simulation
-/// itself and the noise may err by.
+/// Returns true if an effect holds on held-out data, which no fit has used: their error rises by no more than errors of
+/// the simulation and noise allow.
 pub(super) fn carries_over(before: &[Agreement], after: &[Agreement]) -> bool {
     unexplained(after).powi(2)
         <= unexplained(before).powi(2) + of_either(after, (HELD_OUT_RISE_REMOVAL, HELD_OUT_RISE_NOISE)).powi(2)
 }
 
 impl Verdict {
-    /// From a search, and the held-out data that are opened at its end.
+    /// Verdict of a search, with the held-out data that are opened at its end.
     ///
     /// - `base`: the first model
     /// - `found`: the model with each effect that can be named, and the effect's probability
-    /// - `end`: how the search ended
+    /// - `end`: end of the search
     pub(super) fn new(
         base: Standing,
         (found, end): (&[(Standing, f64)], SearchEnd),
         detectable: &[Detectable],
     ) -> Self {
         let Some(&(left, probability)) = found.last() else {
-            // An effect that was refused fits noise where the first model is an adequate fit already.
+            // An effect that was refused fits noise if the first model is already an adequate fit.
             let is_known = !base.is_open() && (end == SearchEnd::Exhausted || !misses(base.evaluation));
             return if is_known { Self::of_silence(base.evaluation, detectable) } else { Self::Unknown };
         };
@@ -162,7 +162,7 @@ impl Verdict {
         }
     }
 
-    /// Over searches one after the other, of which the last found nothing more or left nothing.
+    /// Verdict of successive searches, of which the last found nothing more or left nothing.
     ///
     /// - `chain`: the first model, and the model with each effect that was found
     pub fn of_chain(chain: &[Searched]) -> Option<Self> {
@@ -171,7 +171,7 @@ impl Verdict {
         (!found.is_empty()).then(|| Self::new(first.standing(), (&found, SearchEnd::Exhausted), &[]))
     }
 
-    /// Where the calibration data show no effect.
+    /// Verdict where the calibration data show no effect.
     fn of_silence(held_out: &[Agreement], detectable: &[Detectable]) -> Self {
         let testable = detectable.iter().filter(|effect| effect.testable).count();
         let least = TESTABLE_SHARE * detectable.len() as f64;
@@ -199,7 +199,7 @@ mod tests {
         Standing { calibration, evaluation, closed }
     }
 
-    /// From errors [µm] of calibration and held-out data.
+    /// Verdict from errors [µm] of calibration and held-out data.
     fn verdict(base: [f64; 2], found: &[([f64; 2], f64)], end: SearchEnd) -> Verdict {
         let base = base.map(scan);
         let found: Vec<([Vec<Agreement>; 2], f64)> = found.iter().map(|&(rms, p)| (rms.map(scan), p)).collect();

@@ -1,4 +1,4 @@
-//! The page of an effect that was tried: how the error fell, and every scan without and with it.
+//! Report page of an attempt: the fall of the error, and every scan without and with the effect.
 
 use effects::Model;
 
@@ -16,7 +16,7 @@ const NAMES: [&str; 2] = ["without it", "with it"];
 /// Fills the report of an attempt.
 ///
 /// # Errors
-/// When a model cannot be simulated, or an input file not be read again for its hash.
+/// If a model cannot be simulated, or an input file cannot be read again for its hash.
 pub fn attempt_report(data: &Data, attempt: &Attempt, entry: &Entry) -> Result<StudyReport> {
     let models = [&attempt.before.model, &attempt.with.model];
     let report = pair_report(data, &attempt.models[1], (models, NAMES), &entry.paired)?;
@@ -30,9 +30,9 @@ pub fn attempt_report(data: &Data, attempt: &Attempt, entry: &Entry) -> Result<S
     })
 }
 
-/// Fills a report of two models against the same data; nothing of it was fitted or tested.
+/// Fills a report that compares two models on the same data, without fits or tests.
 ///
-/// - `models`: both, and what they are called
+/// - `models`: both models, with their names
 ///
 /// # Errors
 /// As [`attempt_report`].
@@ -48,7 +48,7 @@ pub fn pair_report(
     Ok(StudyReport { verdict: Verdict::NotBetter, ..report })
 }
 
-/// The errors of both models, and the floor.
+/// Waterfall of the errors of both models and the noise floor.
 fn waterfall(data: &Data, names: [&str; 2], paired: &Paired) -> Waterfall {
     let per_unit = data.evidence().unit().per_one();
     let misfit = match data.evidence().unit() {

@@ -1,4 +1,4 @@
-//! The report's text and tables from a calibration.
+//! Text and tables of a report, from a calibration.
 
 use effects::{CompiledModel, Model};
 use lab::Result;
@@ -13,35 +13,36 @@ use crate::{Compared, PassVolume, StudyReport, Waterfall};
 use lab::Simulated;
 use lab::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
 
-/// What the report of a calibration is made from.
+/// Input of a calibration report.
 pub struct CalibrationReport<'a> {
     /// The measurements.
     pub data: &'a Data<'a>,
-    /// What was fitted.
+    /// The calibration.
     pub calibration: &'a Calibration,
-    /// The same in numbers.
+    /// Its summary.
     pub summary: &'a CalibrationSummary,
-    /// Steps of the waterfall; those of the summary, or those of a study that goes on.
+    /// Steps of the waterfall: those of the summary, or those of a study in progress.
     pub waterfall: &'a [WaterfallStep],
-    /// What the maps show beside the base law, where that is not the whole model.
+    /// Model shown in the maps beside the base law, if it is not the whole model.
     pub rival: Option<&'a CompiledModel>,
-    /// The verdict of a study, where it has come to one.
+    /// Verdict of a study, if there is one.
     pub verdict: Option<Verdict>,
-    /// What was done, or found, in a sentence.
+    /// Sentence on the step that was done, or on the result.
     pub sentence: String,
     /// Seed of all draws.
     pub seed: u64,
-    /// The answer for programs.
+    /// JSON answer for programs.
     pub answer: Value,
 }
 
-/// A report with what was compared, where it fails, a waterfall, maps, sections and volumes, and nothing fitted or found.
+/// Fills a report with the comparison, structure tests, covariates, a waterfall, maps, sections and volumes, without
+/// fits or findings.
 ///
-/// - `models`: what was compared; what its maps show, without and with effects
-/// - `degrees_of_freedom`: parameters that were fitted without effects
+/// - `models`: the compared model, and those of its maps, without and with effects
+/// - `degrees_of_freedom`: number of parameters that were fitted without effects
 ///
 /// # Errors
-/// When a model cannot be simulated, or an input file not be read again for its hash.
+/// If a model cannot be simulated, or an input file cannot be read again for its hash.
 pub(super) fn bare_report(
     data: &Data,
     (model, base, with_effects): (&Model, &CompiledModel, Option<&CompiledModel>),
@@ -60,10 +61,10 @@ pub(super) fn bare_report(
     Ok(StudyReport { tests, covariates, ..plain_report(data, model, seen.as_ref(), (waterfall, seed))? })
 }
 
-/// A report with what was compared, a waterfall, maps, sections and volumes, and nothing tested, fitted or found.
+/// Fills a report with the comparison, a waterfall, maps, sections and volumes, without tests, fits or findings.
 ///
 /// # Errors
-/// When an input file cannot be read again for its hash.
+/// If an input file cannot be read again for its hash.
 pub(super) fn plain_report(
     data: &Data,
     model: &Model,
@@ -94,7 +95,7 @@ pub(super) fn plain_report(
 /// Fills the report of a calibration.
 ///
 /// # Errors
-/// As of a simulation that fails, or an input file that cannot be read again for its hash.
+/// If a simulation fails, or an input file cannot be read again for its hash.
 pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     let CalibrationReport { data, calibration, summary, .. } = input;
     let base = &calibration.steps[0].fit.model;
@@ -121,10 +122,10 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     })
 }
 
-/// Puts the errors of the removed volumes, as the report lists them, beside the steps that they belong to: the base model and
-/// the last one before the floor.
+/// Copies the errors of the removed volumes to the steps of the waterfall that they belong to: the base model and the
+/// last one before the floor.
 ///
-/// - `is_last_shown`: the volumes with effects are those of the last step, and not of a model beside it
+/// - `is_last_shown`: true if the volumes with effects are those of the last step, false if they are of another model
 fn add_volumes(report: &mut StudyReport, is_last_shown: bool) {
     let (falls, volumes) = (&mut report.waterfall, &report.volumes);
     falls.passes = volumes.iter().map(|volume| volume.pass.clone()).collect();

@@ -1,4 +1,4 @@
-//! What `calibrate` answers: its numbers for machines, and the report of them.
+//! Answer of `calibrate`: JSON summary and report.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::calibrated::{CalibrationReport, calibration_report};
 use super::measurements::Data;
 use crate::StudyReport;
 
-/// The file by which the folder of a calibration is known.
+/// File that marks the folder of a calibration.
 pub const CALIBRATION_FILE: &str = "calibration.json";
 
 /// The answer of `calibrate --json`, and [`CALIBRATION_FILE`].
@@ -19,20 +19,20 @@ pub const CALIBRATION_FILE: &str = "calibration.json";
 pub struct CalibrationAnswer {
     /// File of the fitted model.
     pub model: PathBuf,
-    /// What the reader understood of the files where it was not the plain case.
+    /// Notes on ambiguous input files and how they were interpreted.
     pub notes: Vec<String>,
-    /// What the checks of scans and logs against each other found.
+    /// Findings of the consistency checks between scans and logs.
     pub findings: Vec<Finding>,
-    /// The numbers.
+    /// Summary of the calibration.
     #[serde(flatten)]
     pub summary: CalibrationSummary,
 }
 
 impl CalibrationAnswer {
-    /// Sums up a calibration; the instrument's blur stays at what its model finds.
+    /// Summarises a calibration; the instrument's blur stays at the value of its model.
     ///
     /// # Errors
-    /// When a model cannot be simulated, or an input file not be read again for its hash.
+    /// If a model cannot be simulated, or an input file cannot be read again for its hash.
     pub fn new(
         data: &mut Data,
         calibration: &Calibration,
@@ -56,7 +56,7 @@ impl CalibrationAnswer {
         Ok((answer, report))
     }
 
-    /// Lines for people, each with what it is about.
+    /// Lines for the console, each with its label.
     pub fn described(&self) -> Vec<(&'static str, String)> {
         let summary = &self.summary;
         let unit = summary.error_unit.symbol();
@@ -78,7 +78,7 @@ impl CalibrationAnswer {
         lines
     }
 
-    /// How far the whole model is from the noise floor.
+    /// Sentence on the ratio of the whole model's error to the noise floor.
     fn sentence(&self) -> String {
         let unit = self.summary.error_unit.symbol();
         let last = self.summary.waterfall.last().map_or(0.0, |step| step.calibration_rms_um);

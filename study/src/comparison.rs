@@ -1,4 +1,4 @@
-//! A model compared with a campaign as it is: nothing is fitted but the scans' poses and the instrument's blur.
+//! Comparison of a model with a campaign: only the scans' poses and the instrument's blur are fitted.
 
 use std::path::Path;
 
@@ -23,47 +23,47 @@ use lab::{
 };
 use trials::trial::{Campaign, Finding};
 
-/// What a comparison found, for people and machines.
+/// Result of a comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// Whether the model leaves no more than noise.
+    /// True if the model leaves only noise.
     pub agrees: bool,
-    /// One sentence.
+    /// Result in one sentence.
     pub sentence: String,
-    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    /// Notes on ambiguous input files and how they were interpreted, one sentence each.
     pub notes: Vec<String>,
-    /// What the checks of scans and logs against each other found, for machines; empty of a table.
+    /// Findings of the consistency checks between scans and logs; empty for a table.
     pub findings: Vec<Finding>,
-    /// In what errors are told: `um`, or `percent` of the removal.
+    /// Unit of the errors: `um`, or `percent` of the removal.
     pub error_unit: ErrorUnit,
-    /// Root mean square of what the model leaves.
+    /// Root mean square residual of the model.
     pub rms: f64,
-    /// What noise alone would leave.
+    /// Noise floor of the residual.
     pub noise_floor: f64,
     /// Standard deviation of the instrument's blur [µm]; absent for tables.
     pub blur_um: Option<f64>,
-    /// Noise of the scans by trial, as their repeats show it; none of a table.
+    /// Noise of the scans by trial, from repeated scans; empty for a table.
     pub noise: Vec<NoiseSummary>,
-    /// Which passes tests and covariates look at.
+    /// Passes that tests and covariates use.
     pub judged: &'static str,
-    /// How equal passes go on, and what the model's law can make of that; absent where there are no equal passes.
+    /// Trend of equal passes, and the changes that the model's law can produce; absent if there are no equal passes.
     pub equal_passes: Option<PassTrend>,
-    /// Where the model fails.
+    /// Structure and covariates of the residual.
     #[serde(flatten)]
     pub failures: Failures,
-    /// Scans; none of a table.
+    /// Figures of each scan; empty for a table.
     pub scans: Vec<ScanFigures>,
     /// Lines of the table whose residuals are gross outliers.
     pub outlier_lines: Vec<u64>,
-    /// The numbers behind all decisions, by name.
+    /// Values of all decision criteria, by name.
     pub criteria: CriterionValues,
 }
 
-/// What was asked of a comparison.
+/// Options of a comparison.
 pub struct Asked<'a> {
-    /// Where the campaign was read.
+    /// Folder of the campaign.
     pub folder: &'a Path,
-    /// Sections; where none is asked for, the report shows some.
+    /// Requested sections; if empty, the report shows a default choice.
     pub lines: &'a [Direction],
     /// Seed of all draws.
     pub seed: u64,
@@ -72,7 +72,7 @@ pub struct Asked<'a> {
 /// Compares a model with the scans of a campaign.
 ///
 /// # Errors
-/// When the model cannot be simulated, or an input file not be read again for its hash.
+/// If the model cannot be simulated, or an input file cannot be read again for its hash.
 pub fn compare_scans(
     (campaign, evidence): (&Campaign, &ScanEvidence),
     model: &CompiledModel,
@@ -121,7 +121,7 @@ pub fn compare_scans(
 /// Compares a model with the rows of a table.
 ///
 /// # Errors
-/// When the model cannot be evaluated, or an input file not be read again for its hash.
+/// If the model cannot be evaluated, or an input file cannot be read again for its hash.
 pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked) -> Result<(Comparison, StudyReport)> {
     let split = Split::Calibration;
     let residuals = evidence.residuals(model, split)?;
@@ -154,22 +154,22 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     Ok((comparison, report))
 }
 
-/// What tests and covariates say, whatever the data are.
+/// Results of tests and covariates, for scans and tables alike.
 struct Found<'a> {
     equal_passes: Option<PassTrend>,
     tests: Vec<StructureTest>,
     study: CovariateStudy,
     named: &'a dyn Fn(usize) -> (String, Stated),
-    /// Root mean square of what is left and of the floor, in the unit of errors.
+    /// Root mean square residual and noise floor, in the unit of errors.
     error: [f64; 2],
-    /// What the reader understood of the files.
+    /// Notes on how the input files were interpreted.
     notes: Vec<String>,
-    /// Mean of what was removed, in the unit of errors; infinite where it has no such size.
+    /// Mean removal, in the unit of errors; infinite if it cannot be expressed in it.
     removal: f64,
 }
 
 impl Found<'_> {
-    /// What was compared, whatever the data are.
+    /// Names of the compared campaign and model, for scans and tables alike.
     fn compared(&self, model: &CompiledModel, folder: &Path) -> Compared {
         let (campaign, model) = (folder_name(folder), model_words(model));
         Compared { campaign, model, notes: self.notes.clone(), ..Compared::default() }
@@ -178,7 +178,8 @@ impl Found<'_> {
     fn comparison(&self, unit: ErrorUnit, split: Split) -> Comparison {
         let [rms, floor] = self.error;
         let failures = Failures::new(self.tests.clone(), &self.study, self.named);
-        // Holm's rule with the covariates as one more test: where no test rejects, theirs is the first to be looked at.
+        // Holm's rule with the covariates as one more test. If no test rejects, the covariates have the strictest
+        // level.
         let level = SIGNIFICANCE_LEVEL / (self.tests.len() + 1) as f64;
         let depends = failures.covariates.iter().any(|covariate| covariate.p_value_of_all <= level);
         let hidden = floor >= self.removal;
@@ -222,7 +223,7 @@ impl Found<'_> {
         }
     }
 
-    /// The report without what only scans have.
+    /// Fills the parts of the report that scans and tables have in common.
     fn report(
         &self,
         comparison: &Comparison,
@@ -256,12 +257,12 @@ impl Found<'_> {
     }
 }
 
-/// Laws and effects of a model.
+/// Names of the laws and effects of a model.
 fn model_words(model: &CompiledModel) -> String {
     model.effects().map(|effect| effect.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// The model's values; none was fitted.
+/// Values of the model's parameters; none was fitted.
 fn parameters(model: &CompiledModel) -> Vec<ParameterEstimate> {
     let one = |(slot, value): (&effects::ParameterSlot, &f64)| ParameterEstimate {
         name: slot.name(),
@@ -280,7 +281,7 @@ mod tests {
     use super::*;
     use lab::CovariateShare;
 
-    /// What is found where a test says this and the error is so many noise floors.
+    /// Comparison with one test, and with the error as a multiple of the noise floor.
     fn found(rejects: bool, floors: f64) -> Comparison {
         let test = StructureTest { name: "runs".to_owned(), statistic: -9.0, p_value: 0.001, rejects };
         let found = Found {
@@ -295,7 +296,7 @@ mod tests {
         found.comparison(ErrorUnit::Micrometre, Split::Calibration)
     }
 
-    /// The same without a test that rejects, where a covariate has this p-value and so much was removed.
+    /// Comparison without a test that rejects, with a covariate of this p-value and with this removal.
     fn explained(p_value: f64, removal: f64) -> Comparison {
         let share =
             CovariateShare { covariate: 0, share: 0.5, drop: 0.5, p_value, p_value_of_all: p_value, bins: vec![] };

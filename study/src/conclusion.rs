@@ -1,4 +1,4 @@
-//! What follows from a diagnosis: its numbers, a form for what is unknown, the trial that would tell rivals apart.
+//! Conclusions from a diagnosis: its summary, a form for an unknown effect, and the trial that distinguishes rivals.
 
 use effects::Library;
 use lab::Result;
@@ -9,12 +9,12 @@ use lab::{
     testing_trial,
 };
 
-/// Sums up a diagnosis. Where several hypotheses are still in play it has the trial that says most about them. Where none is beside
-/// the one that was found, but equal passes go on as the base law cannot, it has the trial that would test that one. The
-/// instrument's blur stays at what the diagnosed model finds.
+/// Summarises a diagnosis. If several hypotheses are still in play, it proposes the most informative trial. If only the
+/// effect that was found is left, but the base law cannot reproduce the trend of equal passes, it proposes a trial that
+/// tests this effect. The instrument's blur stays at the value of the diagnosed model.
 ///
 /// # Errors
-/// When a model cannot be simulated.
+/// If a model cannot be simulated.
 pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
@@ -34,10 +34,10 @@ pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Res
     Ok(summary)
 }
 
-/// A form of the rate for what is missing and not in the library, where something is.
+/// Proposes a form of the rate for an effect that is missing from the library; `None` if nothing is missing.
 ///
 /// # Errors
-/// When a model cannot be simulated.
+/// If a model cannot be simulated.
 pub fn proposal(data: &Data, diagnosis: &Diagnosis, library: &Library, seed: u64) -> Result<Option<Proposal>> {
     match diagnosis.verdict {
         Verdict::Unknown | Verdict::Partly => {

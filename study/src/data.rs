@@ -1,4 +1,4 @@
-//! What a study found, apart from its maps and curves.
+//! Results of a study, apart from its maps and curves.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -7,52 +7,52 @@ use super::scan_data::{ComparedPass, CovariatePlot, PassVolume, ScanComparison, 
 use super::unit_text::with_raised_powers;
 use lab::Proposal;
 
-/// Everything a report shows. What a study has not (maps of a table, sections of a sanding) stays empty, and the page
+/// All contents of a report. Parts that a study lacks (maps of a table, sections of a sanding) stay empty, and the page
 /// leaves the section out or says that it is absent.
 #[derive(Clone, Debug)]
 pub struct StudyReport {
-    /// What was compared with what.
+    /// The compared measurements and model.
     pub compared: Compared,
     /// The verdict.
     pub verdict: Verdict,
-    /// The verdict, or what was done, in one sentence.
+    /// The verdict, or the step that was done, in one sentence.
     pub sentence: String,
-    /// Whether anything is missing, test by test.
+    /// Tests of structure, one by one.
     pub tests: Vec<TestOfMissing>,
-    /// How the error falls, step by step.
+    /// Error after each step.
     pub waterfall: Waterfall,
     /// Removed volume of each pass.
     pub volumes: Vec<PassVolume>,
-    /// Measured against simulated, scan by scan.
+    /// Comparison of each scan with the simulation.
     pub scans: Vec<ScanComparison>,
     /// Sections through the scans.
     pub sections: Vec<ScanSection>,
-    /// Residual against what the simulator knows of each place.
+    /// Residual over each covariate, which the simulator knows at each place.
     pub covariates: Vec<CovariatePlot>,
-    /// Effects that were scored, the likeliest first, then those that were not fitted.
+    /// Effects that were scored, the most probable first, then those that were not fitted.
     pub suspects: Vec<Suspect>,
     /// Fitted parameters of laws, effects and measurement.
     pub parameters: Vec<ParameterEstimate>,
-    /// How the parameters' errors go together; `None` where fewer than two were fitted.
+    /// Correlations of the parameters' errors; `None` if fewer than two were fitted.
     pub correlations: Option<Correlations>,
-    /// What these passes could have shown.
+    /// Detectable sizes of effects in these passes.
     pub detectable: Vec<Detectable>,
-    /// The next trial; `None` where none would help.
+    /// The next trial; `None` if none would help.
     pub next_trial: Option<NextTrial>,
-    /// The effect that is proposed for what no effect of the library describes.
+    /// Effect that is proposed if no effect of the library describes the data.
     pub proposal: Option<Proposal>,
-    /// From what and by what the report was made.
+    /// Inputs and program of the report.
     pub provenance: Provenance,
-    /// The answer of `diagnose --json`; embedded as it is.
+    /// The answer of `diagnose --json`, embedded unchanged.
     pub diagnosis: Value,
 }
 
-/// What was compared.
+/// The compared measurements and model.
 #[derive(Clone, Debug, Default)]
 pub struct Compared {
     /// Name of the campaign.
     pub campaign: String,
-    /// The model that was compared, in words: its law and effects.
+    /// The compared model, in words: its laws and effects.
     pub model: String,
     /// The tool in words.
     pub tool: String,
@@ -62,41 +62,41 @@ pub struct Compared {
     pub pitch: Option<f64>,
     /// Voxel of the simulation [m]; `None` for tables.
     pub voxel: Option<f64>,
-    /// Standard deviation of the instrument's blur as it was found [m].
+    /// Standard deviation of the instrument's fitted blur [m].
     pub blur: Option<f64>,
-    /// How scans were laid on the model, and from what the noise floor comes; one sentence each.
+    /// Methods of registration and of the noise floor; one sentence each.
     pub method: Vec<String>,
-    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    /// Notes on ambiguous input files and how they were interpreted, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// What a study may conclude: exactly one of these; before it does, that it is calibrated.
+/// Verdict of a study, or of the step that it has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// One effect explains what the base law misses.
+    /// One effect explains the misfit of the base law.
     Identified,
-    /// Several effects explain it, and these passes cannot tell them apart.
+    /// Several effects explain it, and these passes cannot distinguish them.
     Ambiguous,
     /// An effect is found, and structure remains.
     Partly,
     /// Something is missing that no known effect explains.
     Unknown,
-    /// An effect shows that is too small to be named.
+    /// An effect is significant but too small to be named.
     Hint,
     /// The model agrees with the measurement within its noise.
     NothingMissing,
-    /// These passes could not show what was asked.
+    /// These passes cannot show most effects.
     NotTestable,
-    /// The model was fitted, and nothing was searched for yet.
+    /// The model was fitted, and no search was made yet.
     Calibrated,
-    /// A model that was only compared leaves noise.
+    /// A model that was only compared leaves only noise.
     Agrees,
     /// A model that was only compared leaves more than noise.
     Differs,
-    /// Of two models the second is better.
+    /// The second of two models is better.
     Better,
-    /// Of two models the second is no better.
+    /// The second of two models is not better.
     NotBetter,
 }
 
@@ -123,13 +123,13 @@ impl Verdict {
 /// One test for structure in the residual of the base model.
 #[derive(Clone, Debug)]
 pub struct TestOfMissing {
-    /// What is tested, such as `excess of whitened squares`.
+    /// Name of the tested property, such as `excess of whitened squares`.
     pub name: String,
     /// Its statistic [1].
     pub statistic: f64,
-    /// Chance of such a value if nothing is missing, not yet corrected for the number of tests [1].
+    /// P-value, not yet corrected for the number of tests [1].
     pub p_value: f64,
-    /// Whether the test rejects after that correction.
+    /// True if the test rejects after that correction.
     pub rejects: bool,
 }
 
@@ -138,38 +138,38 @@ pub struct TestOfMissing {
 pub struct Suspect {
     /// Name in the library, such as `grit-dulling`.
     pub name: String,
-    /// What it is, in a few words.
+    /// Title in a few words.
     pub title: String,
-    /// Probability among all that were scored [1].
+    /// Posterior probability among all scored effects [1].
     pub probability: f64,
-    /// Fall of the whitened sum of squares when it is added [1]; `None` where it was not fitted.
+    /// Fall of χ² when it is added [1]; `None` if it was not fitted.
     pub delta_chi2: Option<f64>,
     /// Root mean square in evaluation passes before it is added, in [`Waterfall::misfit`]'s SI unit.
     pub evaluation_before: Option<f64>,
     /// The same afterwards.
     pub evaluation_after: Option<f64>,
-    /// Names of effects that these passes cannot tell from it.
+    /// Names of the effects that these passes cannot distinguish from it.
     pub look_alikes: Vec<String>,
-    /// One sentence: why it is kept or ruled out.
+    /// One sentence: the reason for which it is kept or ruled out.
     pub note: String,
 }
 
-/// A value with its unit for people.
+/// A unit for display with its SI value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stated {
-    /// Unit as people write it, such as `MPa`; empty for plain numbers.
+    /// Symbol of the unit, such as `MPa`; empty for plain numbers.
     pub unit: String,
     /// SI value of one such unit, such as 1e6.
     pub si_per_unit: f64,
 }
 
 impl Stated {
-    /// A unit, whose powers may be written as `mm^3` or `mm³`, and its SI value.
+    /// Builds a unit, whose powers may be written as `mm^3` or `mm³`, with its SI value.
     pub fn new(unit: &str, si_per_unit: f64) -> Self {
         Self { unit: with_raised_powers(unit), si_per_unit }
     }
 
-    /// An SI value in this unit.
+    /// Converts an SI value to this unit.
     pub fn of(&self, si: f64) -> f64 {
         si / self.si_per_unit
     }
@@ -180,17 +180,17 @@ impl Stated {
 pub struct ParameterEstimate {
     /// Name with its owner, such as `preston.k` or `grit-dulling.rate`.
     pub name: String,
-    /// Unit for people.
+    /// Display unit.
     pub unit: Stated,
     /// Value, SI.
     pub value: f64,
-    /// Ends of the 95 % interval, SI; `None` where there is none, or it was not fitted.
+    /// Ends of the 95 % interval, SI; `None` if there is none, or it was not fitted.
     pub interval: Option<[f64; 2]>,
-    /// Whether the fit ended on an end of its range.
+    /// True if the fit ended on a bound.
     pub on_bound: bool,
-    /// Whether these passes determine it at all.
+    /// True if these passes determine it.
     pub identifiable: bool,
-    /// Whether it was held fixed.
+    /// True if it was held fixed.
     pub fixed: bool,
 }
 
@@ -206,57 +206,57 @@ pub struct Correlations {
 /// The least size of an effect that these passes would have shown.
 #[derive(Clone, Debug)]
 pub struct Detectable {
-    /// Name in the library.
+    /// Name of the effect in the library.
     pub name: String,
-    /// Its parameter.
+    /// Name of its parameter.
     pub parameter: String,
-    /// Unit for people.
+    /// Display unit.
     pub unit: Stated,
-    /// Least size at 5 % error and 80 % power, SI; `None` where no size shows.
+    /// Least size at a 5 % significance level and 80 % power, SI; `None` if no size is detectable.
     pub size: Option<f64>,
     /// Typical value in practice, SI.
     pub typical: Option<f64>,
-    /// Root mean square of the map that the least size makes [m].
+    /// Root mean square of the map change by the least size [m].
     pub map_rms: Option<f64>,
     /// One sentence, such as `looks like a change of k at one force and feed`.
     pub note: String,
 }
 
-/// The trial to do next.
+/// The proposed next trial.
 #[derive(Clone, Debug, Default)]
 pub struct NextTrial {
-    /// What to do in one sentence.
+    /// Description in one sentence.
     pub summary: String,
-    /// Steps and set points: name and value with its unit.
+    /// Steps and setpoints: name and value with its unit.
     pub steps: Vec<(String, String)>,
-    /// What it would settle, one sentence each.
+    /// Questions that it would settle, one sentence each.
     pub settles: Vec<String>,
-    /// What it would leave open, one sentence each.
+    /// Questions that it would leave open, one sentence each.
     pub leaves_open: Vec<String>,
-    /// Probability that it names the right one [1].
+    /// Probability that it leads to the right effect [1].
     pub probability_right: Option<f64>,
-    /// The trial itself, the next best ones and what would come after it; empty for tables.
+    /// The trial itself, the next best ones and the one that would follow; empty for tables.
     pub menu: Vec<MenuRow>,
 }
 
-/// A trial that could be made.
+/// A candidate trial.
 #[derive(Clone, Debug)]
 pub struct MenuRow {
-    /// Its place among all that were simulated, from 1.
+    /// Rank among all that were simulated, from 1.
     pub place: String,
-    /// What to do.
+    /// Description.
     pub summary: String,
     /// Expected time [min].
     pub minutes: f64,
-    /// New workpieces.
+    /// Number of new workpieces.
     pub workpieces: usize,
-    /// Least expected information [nat].
+    /// Lower bound of the expected information [nat].
     pub information: f64,
-    /// The same for each minute [nat/min].
+    /// The same per minute [nat/min].
     pub information_per_minute: f64,
 }
 
-/// From what and by what a report was made. No date and no machine unless the caller states them.
+/// Inputs and program of a report. It holds no date and no machine unless the caller states them.
 #[derive(Clone, Debug, Default)]
 pub struct Provenance {
     /// Files that were read.

@@ -1,4 +1,4 @@
-//! Where a model fails, in numbers: tests of structure, and what the error depends on.
+//! Misfit of a model in numbers: tests of structure, and dependence on covariates.
 
 use effects::CompiledModel;
 use lab::Result;
@@ -14,24 +14,24 @@ use lab::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, S
 pub struct CovariateFigures {
     /// Its name.
     pub name: String,
-    /// Share of the excess variance that it explains.
+    /// Share of the excess variance that a spline of it explains.
     pub share: f64,
-    /// What all together explain less without it.
+    /// Fall of [`Failures::joint_share`] when this covariate is left out.
     pub drop: f64,
-    /// Chance of such a share where there is no dependence.
+    /// P-value of the share where residuals do not depend on the covariate.
     pub p_value: f64,
-    /// Chance that any covariate reaches it where none matters.
+    /// P-value that the largest share of any covariate reaches this one where none matters.
     pub p_value_of_all: f64,
 }
 
-/// Where a model fails.
+/// Structure and covariates of a model's residual.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Failures {
     /// Tests of structure.
     pub tests: Vec<StructureTest>,
     /// Share of the excess variance that all covariates explain together.
     pub joint_share: f64,
-    /// Covariates, in falling order of their shares.
+    /// Covariates, in descending order of their shares.
     pub covariates: Vec<CovariateFigures>,
 }
 
@@ -55,9 +55,9 @@ impl Failures {
     }
 }
 
-/// Where a base model fails on the calibration scans, in numbers and as plots that show beside it what is left with effects.
+/// Misfit of a base model on the calibration scans, in numbers and as plots that also show the residuals with effects.
 ///
-/// - `degrees_of_freedom`: parameters of the base model that were fitted to them
+/// - `degrees_of_freedom`: number of parameters of the base model that were fitted to them
 pub(super) fn of_scans(
     evidence: &ScanEvidence,
     (base, last): (&Simulated, Option<&Simulated>),
@@ -70,10 +70,10 @@ pub(super) fn of_scans(
     (Failures::new(tests, &with_base, &tile_covariates::covariate), plots)
 }
 
-/// As [`of_scans`], of the calibration rows of a table.
+/// As [`of_scans`], for the calibration rows of a table.
 ///
 /// # Errors
-/// When a model cannot be evaluated.
+/// If a model cannot be evaluated.
 pub(super) fn of_rows(
     evidence: &RowEvidence,
     (base, last): (&CompiledModel, Option<&CompiledModel>),
@@ -89,7 +89,7 @@ pub(super) fn of_rows(
     Ok((Failures::new(tests, &with_base, &named), plots))
 }
 
-/// Covariates as the report draws them.
+/// Covariate plots of the report.
 ///
 /// - `named`: name and unit of a covariate
 pub(super) fn plots(

@@ -1,4 +1,4 @@
-//! The first answer of a study: its law fitted roughly, where that fails, and the leading suspects.
+//! First answer of a study: its law fitted roughly, the misfit, and the most promising effects.
 
 use super::measurements::Data;
 use super::study_state::StudyState;
@@ -7,7 +7,7 @@ use lab::criteria::SIGNIFICANCE_LEVEL;
 use lab::{CovariateStudy, FirstLook, Promise, Result, Simulated, Split};
 use serde::{Deserialize, Serialize};
 
-/// Simulations of the calibration data that a study is assumed to take, at least and at most: a guess, not calibrated [1].
+/// Expected least and greatest number of simulations of the calibration data in a study: a guess, not calibrated [1].
 pub const EXPECTED_SIMULATIONS: [f64; 2] = [600.0, 3000.0];
 
 /// The first answer.
@@ -15,18 +15,18 @@ pub const EXPECTED_SIMULATIONS: [f64; 2] = [600.0, 3000.0];
 pub struct FirstAnswer {
     /// Root mean square residual of the roughly fitted law, in the unit of errors.
     pub rms: f64,
-    /// On what its error depends most, and the share of the excess that this explains alone; absent where nothing explains
-    /// it beyond chance.
+    /// The covariate that explains most of its error, and the share of the excess that it explains alone; absent if
+    /// none is significant.
     pub depends_on: Option<(String, f64)>,
     /// The most promising effects; none of them is fitted or tested.
     pub promises: Vec<Promise>,
 }
 
 impl StudyState<'_> {
-    /// The first answer.
+    /// Computes the first answer.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn first_answer(&mut self) -> Result<FirstAnswer> {
         let start = self.start()?;
         if let Data::Scans(_, evidence) = &mut self.data {
@@ -51,10 +51,11 @@ impl StudyState<'_> {
         Ok(FirstAnswer { rms, depends_on: most.map(|one| (named(one.covariate), one.share)), promises })
     }
 
-    /// Simulates the calibration data once with the law before any fit, so that who counts the time knows what one takes.
+    /// Simulates the calibration data once with the law before any fit, so that the caller can measure the time of a
+    /// simulation.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn simulate_once(&self) -> Result<()> {
         self.data.evidence().residuals(&self.start()?, Split::Calibration)?;
         Ok(())
@@ -62,9 +63,9 @@ impl StudyState<'_> {
 }
 
 impl FirstAnswer {
-    /// In words.
+    /// The answer in words.
     ///
-    /// - `floor`: what noise alone leaves, in the unit of errors
+    /// - `floor`: noise floor, in the unit of errors
     /// - `unit`: symbol of that unit
     pub fn words(&self, floor: f64, unit: &str) -> String {
         let depends = self.depends_on.as_ref().map_or(

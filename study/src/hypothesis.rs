@@ -8,13 +8,13 @@ use super::measurements::Data;
 
 /// An effect to try.
 pub struct Hypothesis {
-    /// A library that has it.
+    /// A library that contains it.
     pub library: Library,
     /// Its name there.
     pub name: String,
-    /// For people.
+    /// Display text.
     pub shown: String,
-    /// Its file, where it is not listed in the library.
+    /// Text of its effect file, if the library does not list it.
     pub file: Option<String>,
 }
 
@@ -22,7 +22,7 @@ impl Hypothesis {
     /// An effect that the library lists.
     ///
     /// # Errors
-    /// Wrong use where it lists none of this name.
+    /// Wrong use if it lists none of this name.
     pub fn listed(library: Library, name: &str) -> Result<Self> {
         let Some(effect) = library.effects().iter().find(|effect| effect.name == name) else {
             let known: Vec<&str> = library.effects().iter().map(|effect| effect.name.as_str()).collect();
@@ -44,11 +44,11 @@ impl Hypothesis {
 
     /// The effect of a formula, whose unknown names are its parameters: `try-NUMBER`.
     ///
-    /// - `model`: the model beside which it is tried; it says how large what the formula reads becomes
-    /// - `given`: first values [SI] of parameters
+    /// - `model`: the model beside which it is tried; it determines the range of each variable in the formula
+    /// - `given`: starting values [SI] of parameters
     ///
     /// # Errors
-    /// Wrong use where the line makes no effect; else when the model cannot be simulated.
+    /// Wrong use if the line makes no effect; else if the model cannot be simulated.
     pub fn typed(
         (data, model): (&Data, &Model),
         library: Library,
@@ -69,10 +69,10 @@ impl Hypothesis {
         Ok(Self { shown: line.to_owned(), ..Self::of_file(library, &format!("{name}.toml"), text)? })
     }
 
-    /// A first value of a parameter: `a=350 mm^3`, as a name and an SI value.
+    /// Parses a starting value of a parameter, such as `a=350 mm^3`, to a name and an SI value.
     ///
     /// # Errors
-    /// In words, what is expected.
+    /// A message on the expected format.
     pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
         let bad = || "PARAMETER=VALUE UNIT is expected, such as a=350 mm^3".to_owned();
         let (name, value) = text.split_once('=').ok_or_else(bad)?;

@@ -1,8 +1,8 @@
-//! The ledger of a campaign: every effect that was tried on it, and which model is current.
+//! The ledger of a campaign: every effect that was tried on it, and the current model.
 //!
-//! A folder with `ledger.jsonl`, one line for each attempt and each return to an earlier model, only ever added to; `effects/`
-//! with the formulas that were tried; and a folder for each number with its model and page. Number 0 is the model with which
-//! the ledger began.
+//! The ledger is a folder. `ledger.jsonl` has one line for each attempt and each return to an earlier model, and is
+//! append-only; `effects/` holds the formulas that were tried; a folder for each number holds its model and page.
+//! Number 0 is the initial model.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,13 +18,13 @@ use files::sha256;
 use lab::{Attempt, Better, ErrorUnit, LabError, Paired, ParameterSummary, Result, parameter_summary};
 use serde::{Deserialize, Serialize};
 
-/// Its file of lines.
+/// File of the ledger's lines.
 pub const LEDGER_FILE: &str = "ledger.jsonl";
-/// Its folder of formulas.
+/// Folder of the tried formulas.
 pub const TRIED_EFFECTS: &str = "effects";
-/// The model of a number.
+/// Model file in the folder of a number.
 const MODEL_FILE: &str = "model.toml";
-/// The page of a number.
+/// Page in the folder of a number.
 const PAGE_FILE: &str = "report.html";
 
 /// A line of the ledger.
@@ -35,7 +35,7 @@ pub enum LedgerLine {
     Try(Box<Entry>),
     /// An earlier model was made the current one.
     Return {
-        /// Its number.
+        /// Number of that model.
         to: usize,
     },
 }
@@ -45,25 +45,25 @@ pub enum LedgerLine {
 pub struct Entry {
     /// Number of the attempt, from 1.
     pub number: usize,
-    /// The hypothesis as it was typed.
+    /// The hypothesis as it was entered.
     pub tried: String,
     /// Name of the effect.
     pub effect: String,
     /// Number of the model beside which it was tried.
     pub beside: usize,
-    /// True if the model with it became the current one.
+    /// True if the model with the effect became the current one.
     pub kept: bool,
-    /// Which model is better, by the data that no fit saw where there are any.
+    /// The better model, by held-out data where there are any.
     pub better: Better,
-    /// Log density of whole passes left out of the fit, above that of the model without the effect [nats].
+    /// Cross-validated log density of whole passes with the effect, minus that without it [nats].
     pub predicts_better_by: f64,
-    /// Robust sum of squares of the calibration data without the effect above that with it.
+    /// Robust χ² of the calibration data without the effect, minus that with it.
     pub delta_chi2: f64,
-    /// Parameters that the effect adds.
+    /// Number of parameters that the effect adds.
     pub added_parameters: usize,
-    /// In what the errors are given.
+    /// Unit of the errors.
     pub error_unit: ErrorUnit,
-    /// Both models against the same data.
+    /// Comparison of both models on the same data.
     #[serde(flatten)]
     pub paired: Paired,
     /// Fitted parameters of the model with the effect.
@@ -77,13 +77,13 @@ pub struct Entry {
 /// A model of a ledger.
 #[derive(Clone, Debug, Serialize)]
 pub struct Standing {
-    /// Its number.
+    /// Number of the model.
     pub number: usize,
-    /// Its file.
+    /// Path of the model file.
     pub model: PathBuf,
 }
 
-/// A ledger that is open; nobody else writes it meanwhile.
+/// An open ledger, locked against other writers.
 pub struct Ledger {
     folder: PathBuf,
     lines: Vec<LedgerLine>,
@@ -91,10 +91,10 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Opens the ledger in a folder, or begins one there.
+    /// Opens the ledger in a folder, or creates one there.
     ///
     /// # Errors
-    /// Wrong use when the folder holds something else or is being written; otherwise when a file cannot be read.
+    /// Wrong use if the folder holds something else or is locked; otherwise if a file cannot be read.
     pub fn open(folder: &Path) -> Result<Self> {
         let file = folder.join(LEDGER_FILE);
         let is_new = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
@@ -109,7 +109,7 @@ impl Ledger {
         Ok(Self { folder: folder.to_owned(), lines, _lock: lock })
     }
 
-    /// Where it is.
+    /// Path of the ledger's folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -127,7 +127,7 @@ impl Ledger {
         self.entries().map(|entry| entry.number).max().unwrap_or(0) + 1
     }
 
-    /// The current model; `None` of a ledger that has none yet.
+    /// The current model; `None` if the ledger has none yet.
     pub fn current(&self) -> Option<Standing> {
         let number = self.lines.iter().rev().find_map(|line| match line {
             LedgerLine::Try(entry) => entry.kept.then_some(entry.number),
@@ -142,10 +142,10 @@ impl Ledger {
         self.folder.join(number.to_string()).join(MODEL_FILE)
     }
 
-    /// A library with the formulas that were tried.
+    /// Returns a library with the formulas that were tried.
     ///
     /// # Errors
-    /// A file that is no effect, or a name that is taken.
+    /// If a file is no effect, or a name is taken.
     pub fn library(&self, library: &Library) -> Result<Library> {
         let folder = self.folder.join(TRIED_EFFECTS);
         let mut files = Vec::new();
@@ -165,10 +165,10 @@ impl Ledger {
         Ok(library.with(&files)?)
     }
 
-    /// Refuses a campaign other than the one that the ledger is of.
+    /// Checks that a campaign is the one of the ledger.
     ///
     /// # Errors
-    /// Wrong use where the measurements are others.
+    /// Wrong use if the measurements differ.
     pub fn check_campaign(&self, measurements_sha256: &str) -> Result<()> {
         match self.entries().find(|entry| entry.measurements_sha256 != measurements_sha256) {
             None => Ok(()),
@@ -179,12 +179,12 @@ impl Ledger {
         }
     }
 
-    /// Keeps an attempt: its effect, both models and its page, then its line.
+    /// Stores an attempt: its effect, both models and its page, then its line.
     ///
-    /// - `file`: the effect file of a formula that was typed
+    /// - `texts`: texts of effect, models and page
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn keep(&mut self, entry: Entry, texts: &AttemptTexts) -> Result<()> {
         if let Some(file) = &texts.effect {
             let path = self.folder.join(TRIED_EFFECTS).join(format!("{}.toml", entry.effect));
@@ -202,7 +202,7 @@ impl Ledger {
     /// Makes an earlier model the current one.
     ///
     /// # Errors
-    /// Wrong use where there is no such number.
+    /// Wrong use if there is no such number.
     pub fn return_to(&mut self, number: usize) -> Result<Standing> {
         let most = self.next_number() - 1;
         if most == 0 || number > most {
@@ -222,20 +222,20 @@ impl Ledger {
     }
 }
 
-/// The texts of an attempt that its ledger keeps.
+/// Texts of an attempt that its ledger stores.
 pub struct AttemptTexts {
-    /// The effect file of a formula that was typed.
+    /// The effect file of an entered formula.
     pub effect: Option<String>,
     /// The models without and with the effect.
     pub models: [String; 2],
-    /// The page that shows what changed.
+    /// The page that shows the change.
     pub page: String,
 }
 
 impl Entry {
     /// The line of an attempt.
     ///
-    /// - `tried`: what was typed
+    /// - `tried`: the hypothesis as it was entered
     pub fn new(attempt: &Attempt, tried: &str, effect: &str, error_unit: ErrorUnit) -> Self {
         let better = attempt.better();
         Self {
@@ -256,19 +256,19 @@ impl Entry {
         }
     }
 
-    /// The same with its place in a ledger.
+    /// Sets the numbers of the line in a ledger.
     #[must_use]
     pub fn numbered(self, ledger: &Ledger, beside: usize, kept: bool) -> Self {
         Self { number: ledger.next_number(), beside, kept, ..self }
     }
 
-    /// The same with what it was made from.
+    /// Sets the hashes of measurements and model.
     #[must_use]
     pub fn of(self, measurements_sha256: &str, model: &str) -> Self {
         Self { measurements_sha256: measurements_sha256.to_owned(), model_sha256: sha256(model.as_bytes()), ..self }
     }
 
-    /// Lines for people, each with what it is about.
+    /// Lines for the console, each with its label.
     pub fn described(&self) -> Vec<(&'static str, String)> {
         let unit = self.error_unit.symbol();
         let error = |k: usize| {
@@ -288,7 +288,7 @@ impl Entry {
         lines
     }
 
-    /// The attempt in a line.
+    /// Formats the attempt in one line.
     pub fn line(&self) -> String {
         let (split, unit) = (self.paired.deciding(), self.error_unit.symbol());
         let verdict = match self.better {
@@ -303,7 +303,7 @@ impl Entry {
         )
     }
 
-    /// The verdict in a sentence.
+    /// Sentence on the verdict.
     pub fn sentence(&self) -> String {
         let errors = errors_in_words(&self.paired, self.error_unit);
         match self.better {
@@ -314,7 +314,7 @@ impl Entry {
     }
 }
 
-/// Which of two models is better, in a sentence.
+/// Sentence on the better of two models.
 pub fn pair_in_words([first, second]: &[String; 2], paired: &Paired, error_unit: ErrorUnit) -> String {
     let errors = errors_in_words(paired, error_unit);
     match paired.deciding().better() {
@@ -341,7 +341,7 @@ pub fn model_in_words(model: &Model) -> String {
     model.laws.iter().chain(&model.effects).map(|part| part.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// The free parameters of a model file all have values: it comes from a fit.
+/// Returns true if all free parameters of a model file have values, as after a fit.
 pub fn is_fitted(model: &Model, library: &Library) -> bool {
     model.laws.iter().chain(&model.effects).all(|part| {
         let parameters = library.find(&part.name).into_iter().flat_map(|own| &own.parameters);

@@ -1,12 +1,12 @@
-//! A study: measurements compared with a model, the model calibrated, what it lacks found and added, step by step, and its
-//! report filled from what the laboratory found.
+//! A study: compares measurements with a model, calibrates the model, finds and adds missing effects step by step, and
+//! fills its report.
 //!
 //! 1. [`Measurements`] reads a campaign or a table, [`Data`] is either as the laboratory's evidence.
-//! 2. [`StudyState`] does one step after the other, and [`StudyRecord`] keeps what was done; [`Progress`] keeps predictions
-//!    of a run that was interrupted.
-//! 3. [`compare_scans`] and [`compare_rows`] compare without any fit, [`calibration_report`] and [`report()`] tell what a fit
-//!    and a search found.
-//! 4. [`StudyReport`] is what a page shows.
+//! 2. [`StudyState`] does one step after the other, and [`StudyRecord`] stores the steps done; [`Progress`] keeps
+//!    predictions of a run that was interrupted.
+//! 3. [`compare_scans`] and [`compare_rows`] compare without any fit, [`calibration_report`] and [`report()`] report
+//!    the results of a fit and a search.
+//! 4. [`StudyReport`] holds the contents of a page.
 //!
 //! ```
 //! use study::{Action, StudyRecord};

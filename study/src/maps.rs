@@ -1,4 +1,4 @@
-//! Maps, sections and volumes of the report: every scan against the base model and the model with what was found.
+//! Maps, sections and volumes of the report: every scan compared with the base model and with the model with effects.
 
 use super::measurements::Data;
 use super::track::{Ground, Volume, line_of};
@@ -7,20 +7,20 @@ use lab::Simulated;
 use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
 use trials::trial::Role;
 
-/// Sections across where none are asked for, as shares of the map's length.
+/// Default sections across, as shares of the map's length.
 const ACROSS: [f64; 3] = [1.0 / 7.0, 0.5, 6.0 / 7.0];
-/// Scans from which sections are shown where none are asked for.
+/// Number of scans with default sections.
 const SECTIONED: usize = 2;
 
-/// What both models make of all scans.
+/// Simulations of all scans with both models.
 pub struct Seen<'a> {
     /// The scans.
     pub evidence: &'a ScanEvidence<'a>,
     /// The base model.
     pub base: &'a Simulated,
-    /// The model with what was found, where something was.
+    /// The model with effects, if there is one.
     pub found: Option<&'a Simulated>,
-    /// Sections that were asked for.
+    /// Requested sections.
     pub lines: &'a [Direction],
 }
 
@@ -37,9 +37,9 @@ pub fn role(view: &ScanView) -> Role {
     }
 }
 
-/// Volume that a pass removed, from what scans up to it say against a model; `None` when sanding.
+/// Volume that a pass removed, from the scans up to it and a model; `None` when sanding.
 ///
-/// - `ground`: a scan against the model
+/// - `ground`: comparison of a scan with the model
 pub fn pass_volume<'a>(
     evidence: &'a ScanEvidence,
     view: &'a ScanView,
@@ -58,7 +58,7 @@ pub fn pass_volume<'a>(
 }
 
 impl<'a> Seen<'a> {
-    /// Scans with what a base model, and the model with what was found, make of them; `None` of a table.
+    /// The scans with their simulations; `None` for a table.
     pub fn of(data: &'a Data, simulated: Option<&'a [Simulated]>) -> Option<Self> {
         let ((_, evidence), simulated) = data.scans().zip(simulated)?;
         Some(Self { evidence, base: &simulated[0], found: simulated.get(1), lines: &[] })
@@ -66,7 +66,7 @@ impl<'a> Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// All scans against both models.
+    /// Comparison of all scans with both models.
     pub fn scans(&self) -> Vec<ScanComparison> {
         let compare = |view: &ScanView| {
             let maps = match &view.data {
@@ -97,7 +97,7 @@ impl Seen<'_> {
         })
     }
 
-    /// The sections that were asked for through all scans, or some through the last ones.
+    /// The requested sections through all scans, or default ones through the last scans.
     pub fn sections(&self) -> Vec<ScanSection> {
         let count = if self.lines.is_empty() { SECTIONED } else { self.evidence.views.len() };
         let mut views: Vec<&ScanView> = self.evidence.views.iter().rev().take(count).collect();

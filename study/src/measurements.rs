@@ -1,4 +1,4 @@
-//! What a folder holds for a study, trials with scans or a table of rows, and the same as data for fits.
+//! Measurements of a study, trials with scans or a table of rows, and their conversion to data for fits.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use lab::{Calibration, Order, RowEvidence, ScanEvidence, Totals, uncalibrated};
 use trials::table::{TABLE_FILE, Table};
 use trials::trial::{Campaign, Finding, FrameOffset};
 
-/// Measurements as they were read.
+/// Measurements as read from a folder.
 pub enum Measurements {
     /// Trials with scans.
     Scans(Campaign),
@@ -19,7 +19,7 @@ pub enum Measurements {
 
 /// Measurements as data.
 pub enum Data<'a> {
-    /// Scans, and the campaign that they are of.
+    /// Scans, and their campaign.
     Scans(&'a Campaign, Box<ScanEvidence<'a>>),
     /// Rows, and the folder of their table.
     Rows(&'a Path, Box<RowEvidence<'a>>),
@@ -38,10 +38,10 @@ impl Measurements {
         })
     }
 
-    /// Makes data of them.
+    /// Converts the measurements to data.
     ///
     /// # Errors
-    /// When there is nothing that a fit could use.
+    /// If no data can be used in a fit.
     pub fn data(&self) -> Result<Data<'_>> {
         Ok(match self {
             Self::Scans(campaign) => Data::Scans(campaign, Box::new(ScanEvidence::new(&campaign.trials, None)?)),
@@ -50,10 +50,10 @@ impl Measurements {
     }
 }
 
-/// A campaign with its logs moved to where its scans show the tool, where they are far from there; a note says so.
+/// Returns a campaign with its logs moved to where its scans show the tool, if they are far off; a note says so.
 ///
 /// # Errors
-/// When the base law of its process cannot be simulated.
+/// If the base law of its process cannot be simulated.
 pub fn aligned(campaign: Campaign) -> Result<Campaign> {
     let model = Model::new(campaign.trials[0].process);
     let Some(mut trials) = lab::aligned(&campaign.trials, &model, Library::builtin())? else { return Ok(campaign) };
@@ -70,7 +70,7 @@ pub fn aligned(campaign: Campaign) -> Result<Campaign> {
 }
 
 impl<'a> Data<'a> {
-    /// For fits.
+    /// The data as evidence for fits.
     pub fn evidence(&self) -> &dyn Totals {
         match self {
             Self::Scans(_, evidence) => evidence.as_ref(),
@@ -78,7 +78,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// For an effect that is tried.
+    /// The data as evidence for attempts.
     pub fn tried(&mut self) -> &mut dyn Tried {
         match self {
             Self::Scans(_, evidence) => evidence.as_mut(),
@@ -86,7 +86,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// For how large what a formula reads becomes.
+    /// The data as source of variable ranges.
     pub fn reaches(&self) -> &dyn Reaches {
         match self {
             Self::Scans(_, evidence) => evidence.as_ref(),
@@ -94,7 +94,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// The scans, where there are scans.
+    /// The scans, if there are any.
     pub fn scans(&self) -> Option<(&'a Campaign, &ScanEvidence<'a>)> {
         match self {
             Self::Scans(campaign, evidence) => Some((campaign, evidence)),
@@ -102,7 +102,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// The rows, where there is a table.
+    /// The rows, if there is a table.
     pub fn rows(&self) -> Option<&RowEvidence<'a>> {
         match self {
             Self::Scans(..) => None,
@@ -110,7 +110,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Where they were read.
+    /// Folder of the measurements.
     pub fn folder(&self) -> &'a Path {
         match self {
             Self::Scans(campaign, _) => &campaign.folder,
@@ -118,7 +118,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// What there is, in one line.
+    /// Description in one line.
     pub fn describe(&self) -> String {
         match self {
             Self::Scans(campaign, evidence) => {
@@ -128,7 +128,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// What the reader understood of the files where it was not the plain case, and what was assumed; one sentence each.
+    /// Notes on ambiguous input files and how they were interpreted, and assumptions; one sentence each.
     pub fn notes(&self) -> Vec<String> {
         match self {
             Self::Scans(campaign, evidence) => campaign.notes().into_iter().chain(evidence.noise_notes()).collect(),
@@ -136,10 +136,10 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// A library with the effects that only these data can show.
+    /// Returns a library with the effects that only these data can show.
     ///
     /// # Errors
-    /// An effect that cannot be evaluated on the rows of a table.
+    /// If an effect cannot be evaluated on the rows of a table.
     pub fn library(&self, library: Library) -> Result<Library> {
         match self {
             Self::Scans(..) => Ok(library),
@@ -147,7 +147,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// What the checks of scans and logs against each other found, for machines; nothing of a table.
+    /// Findings of the consistency checks between scans and logs; empty for a table.
     pub fn findings(&self) -> Vec<Finding> {
         match self {
             Self::Scans(campaign, _) => campaign.findings(),
@@ -155,10 +155,11 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// A model ready for these data: that of a table gets the rate constant and the reference values that its rows need.
+    /// Returns a model adapted to these data: that of a table gets the rate constant and the reference values of its
+    /// rows.
     ///
     /// # Errors
-    /// A model that the library does not know.
+    /// If the library does not know the model.
     pub fn fitting(&self, model: Model, library: &Library) -> Result<Model> {
         match self {
             Self::Scans(..) => Ok(model),
@@ -169,12 +170,12 @@ impl<'a> Data<'a> {
     /// The base law of a model before any fit.
     ///
     /// # Errors
-    /// A model that the library does not know.
+    /// If the library does not know the model.
     pub fn start(&self, model: &Model, library: &Library) -> Result<Model> {
         self.fitting(uncalibrated(model, library, self.evidence())?, library)
     }
 
-    /// Calibrates a model and those that it grew from.
+    /// Calibrates a model and the smaller models on the way to it.
     ///
     /// - `models`: the model, and its base law before any fit
     /// - `done`: called after each fit with its name
@@ -193,10 +194,10 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// A calibration to which a search has added an effect, taken further with errors of the simulation as they are there.
+    /// Continues a calibration to which a search has added an effect, with the simulation errors measured there.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration> {
         match self {
             Self::Scans(_, evidence) => evidence.renewed(calibration),
@@ -204,16 +205,16 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Keeps the observation that a model finds, so that maps of several models are seen alike.
+    /// Fixes the observation at that of a model, so that maps of several models are seen alike.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<()> {
         let Self::Scans(_, evidence) = self else { return Ok(()) };
         Ok(evidence.fix_observation(model)?)
     }
 
-    /// Lets every model find its own observation again, as fits do.
+    /// Lets every model determine its own observation again, as fits do.
     pub fn free_observation(&mut self) {
         if let Self::Scans(_, evidence) = self {
             evidence.observation = None;

@@ -8,15 +8,15 @@ use trials::trial::{PLAN_NAMES, Trial, write_plan};
 
 /// Folder of the next trial.
 pub const NEXT_TRIAL: &str = "next-trial";
-/// Folders below that of a study, with the names of what is written there.
+/// Folders below that of a study, with the names of the files in them.
 pub const NEXT_TRIAL_NAMES: [(&str, &[&str]); 3] =
     [("next-trial/", PLAN_NAMES), ("next-trial/part-1/", PLAN_NAMES), ("next-trial/part-2/", PLAN_NAMES)];
 
-/// Writes the planned trial, or its two parts where the tool is dressed in between; returns lines for the console, each with
-/// its label. A row of a table has no files.
+/// Writes the planned trial, or its two parts if the tool is dressed in between; returns lines for the console, each
+/// with its label. A row of a table has no files.
 ///
 /// # Errors
-/// A file that cannot be written, with its name.
+/// If a file cannot be written, with its name.
 pub fn write_next_trial(next: &NextTrial, folder: &Path) -> io::Result<Vec<(&'static str, String)>> {
     let Some(choice) = &next.choice else { return Ok(Vec::new()) };
     for (part, trial) in (1..).zip(&choice.plan) {
@@ -32,7 +32,7 @@ pub fn write_next_trial(next: &NextTrial, folder: &Path) -> io::Result<Vec<(&'st
     Ok(vec![("next trial", line)])
 }
 
-/// What to do, for whoever opens `trial.toml`.
+/// Instructions for the reader of `trial.toml`.
 fn remarks(next: &NextTrial, choice: &MenuChoice, (part, trial): (usize, &Trial)) -> Vec<String> {
     let tool = if trial.fresh { "Dress the tool first." } else { "Do not dress the tool: it goes on as it is." };
     let workpiece = match part {

@@ -1,9 +1,9 @@
-//! The next trial as a report shows it.
+//! Report of the next trial.
 
 use super::MenuRow;
 use lab::{MenuChoice, MenuLine, NextTrial, Worth};
 
-/// What to do, what it settles, and what else was on the menu.
+/// Converts a proposed trial to the report: description, questions that it settles, and the alternatives on the menu.
 pub(super) fn next_trial(next: &NextTrial) -> crate::NextTrial {
     let list = |values: &[f64]| {
         values
@@ -29,7 +29,7 @@ pub(super) fn next_trial(next: &NextTrial) -> crate::NextTrial {
     }
 }
 
-/// The trial itself, the next best ones, and what would come after it.
+/// The trial itself, the next best ones, and the one that would follow.
 fn menu(next: &NextTrial, choice: &MenuChoice) -> Vec<MenuRow> {
     let row = |place: &str, summary: &str, worth: Worth| MenuRow {
         place: place.to_owned(),

@@ -1,4 +1,4 @@
-//! What a study keeps of its work until it ends: the simulations that it made, and its record, in a folder beside its own.
+//! Intermediate results of a study until it ends, in a folder beside its own: its simulations and its record.
 
 use std::ffi::OsString;
 use std::fs;
@@ -17,32 +17,32 @@ use files::output::{self, FolderKind};
 use files::program::Program;
 use files::sha256;
 
-/// The simulations.
+/// File of the simulations.
 const SIMULATIONS_FILE: &str = "simulations.bin";
-/// The folder beside that of the study.
+/// Kind of the folder beside that of the study.
 const KEPT: FolderKind =
     FolderKind { marker: STUDY_FILE, key: "measurements_sha256", names: &[("", &[SIMULATIONS_FILE])] };
 
-/// The work of a study that has not ended.
+/// Intermediate results of a study that has not ended.
 pub struct Progress {
     folder: PathBuf,
-    /// Simulations that an interrupted run had made.
+    /// Number of simulations of an interrupted run.
     pub known: usize,
 }
 
 impl Progress {
-    /// Takes up the work of an interrupted run for the same place, or begins; only for who has claimed the place. Rows
-    /// are quick to predict, so that nothing is kept of them. The folder is made for the first simulation.
+    /// Resumes the work of an interrupted run for the same place, or begins; the caller must have claimed the place.
+    /// Predictions of rows are fast, so that none are kept. The folder is created for the first simulation.
     ///
     /// # Errors
-    /// Wrong use when the place beside holds something else; otherwise when what is there cannot be read or written.
+    /// Wrong use if the place beside holds something else; otherwise if its contents cannot be read or written.
     pub fn take_up(out: &Path, data: &mut Data, measurements_sha256: &str) -> Result<Option<Self>> {
         let Data::Scans(_, evidence) = data else { return Ok(None) };
         let mut name = OsString::from(out.file_name().unwrap_or_default());
         name.push(output::UNFINISHED);
         let folder = out.with_file_name(name);
         KEPT.check_continued(&folder)?;
-        // Another build of the program may simulate otherwise.
+        // Another build of the program may give other simulations.
         let program = Program::of_this_process().map_err(FileError::at(Path::new("the program"), "cannot be found"))?;
         let program = sha256(&input::read(&program.file, MOST_MESH_BYTES)?);
         let journal = Journal::open(&folder.join(SIMULATIONS_FILE), &format!("{measurements_sha256} {program}"))?;
@@ -51,25 +51,25 @@ impl Progress {
         Ok(Some(Self { folder, known }))
     }
 
-    /// Where it is kept.
+    /// Path of the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Keeps how far the study is.
+    /// Stores the present record.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn note(&self, record: &StudyRecord) -> Result<()> {
         let file = self.folder.join(STUDY_FILE);
         let text = serde_json::to_string_pretty(record).map_err(FileError::encoding(&file))?;
         Ok(write_file(&file, text.as_bytes())?)
     }
 
-    /// Removes the folder of a study that has ended, if it kept anything.
+    /// Removes the folder of a study that has ended, if there is one.
     ///
     /// # Errors
-    /// When the file system refuses.
+    /// If the file system refuses.
     pub fn end(self) -> Result<()> {
         match fs::remove_dir_all(&self.folder) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),

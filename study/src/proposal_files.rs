@@ -8,13 +8,13 @@ use lab::{Proposal, WaterfallStep};
 
 /// Folder of the effect files.
 pub const PROPOSED_EFFECTS: &str = "effects";
-/// The model with the proposed effect.
+/// File of the model with the proposed effect.
 pub const MODEL_WITH_PROPOSAL: &str = "model-with-proposal.toml";
 
 /// Writes the effect files and the model with them; returns lines for the console, each with its label.
 ///
 /// # Errors
-/// A file that cannot be written, with its name.
+/// If a file cannot be written, with its name.
 pub fn write_proposal(proposal: &Proposal, folder: &Path) -> io::Result<Vec<(&'static str, String)>> {
     let write = |name: &str, text: &str| {
         let named = |error: io::Error| io::Error::new(error.kind(), format!("{name}: cannot be written: {error}"));
@@ -31,7 +31,7 @@ pub fn write_proposal(proposal: &Proposal, folder: &Path) -> io::Result<Vec<(&'s
     Ok(proposal.forms.iter().map(form).chain([("error", errors(proposal))]).collect())
 }
 
-/// How the error falls, and how to go on.
+/// Sentence on the fall of the error, and on the next step.
 fn errors(proposal: &Proposal) -> String {
     let error = |step: &WaterfallStep| format!("{:.2}", step.evaluation_rms_um.unwrap_or(step.calibration_rms_um));
     let which = if proposal.errors[0].evaluation_rms_um.is_some() { "held-out error" } else { "error" };

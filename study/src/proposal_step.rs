@@ -3,7 +3,7 @@
 use crate::{Waterfall, WaterfallStep};
 use lab::Proposal;
 
-/// Puts the error with each proposed effect between the last model and the noise floor.
+/// Inserts the error with each proposed effect between the last model and the noise floor.
 pub(super) fn add_proposal(waterfall: &mut Waterfall, proposal: &Proposal) {
     let one = 1.0 / proposal.error_unit.per_one();
     let Some(floor) = waterfall.steps.pop() else { return };
@@ -55,7 +55,7 @@ mod tests {
         add_proposal(&mut waterfall, &proposal);
         let names: Vec<&str> = waterfall.steps.iter().map(|step| step.name.as_str()).collect();
         assert_eq!(names, ["raw", "base model", "+ form (proposed)", "noise floor"]);
-        // 13 - 9 of 25 - 9 µm² are left.
+        // 13 - 9 of 25 - 9 µm² remain.
         assert!((waterfall.steps[2].unexplained.unwrap() - 0.25).abs() < 1e-9);
         assert!((waterfall.steps[2].evaluation.unwrap() - 2e-6 * 13.0f64.sqrt()).abs() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! The measurements that a result came from, by the hashes of their files.
+//! Identity of the measurements behind a result, by the hashes of their files.
 
 use std::path::Path;
 
@@ -10,17 +10,18 @@ use walkdir::{DirEntry, WalkDir};
 use crate::{Digest, Provenance};
 use lab::Result;
 
-/// SHA-256 over the hashes of all files of a folder, results below it left out: whether measurements are the same.
+/// SHA-256 over the hashes of all files of a folder without the results below it; equal if the measurements are the
+/// same.
 ///
 /// # Errors
-/// When a file cannot be read.
+/// If a file cannot be read.
 pub fn inputs_sha256(folder: &Path) -> Result<String> {
     let inputs = provenance(folder, 0)?.inputs;
     let lines: String = inputs.iter().map(|input| format!("{} {}\n", input.sha256, input.file)).collect();
     Ok(sha256(lines.as_bytes()))
 }
 
-/// Hashes of all files of a folder, results below it left out, and what made the report.
+/// Hashes of all files of a folder without the results below it, and the program that made the report.
 pub(super) fn provenance(folder: &Path, seed: u64) -> Result<Provenance> {
     let measures = |entry: &DirEntry| entry.depth() == 0 || !entry.file_type().is_dir() || !holds_results(entry.path());
     let entries = WalkDir::new(folder).sort_by_file_name().into_iter().filter_entry(measures);

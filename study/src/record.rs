@@ -1,4 +1,4 @@
-//! What a study keeps between its steps: `study.json`.
+//! Record of a study between its steps: `study.json`.
 
 use std::path::Path;
 
@@ -14,27 +14,27 @@ use super::provenance::inputs_sha256;
 use lab::criteria::CriterionValues;
 use lab::{ErrorUnit, FrameEstimate, LabError, Result, Searched, Verdict, WaterfallStep};
 
-/// The file by which the folder of a study is known.
+/// File that marks the folder of a study.
 pub const STUDY_FILE: &str = "study.json";
-/// Form of that file.
+/// Format of that file.
 pub const STUDY_FORMAT: &str = "robofin-study/1";
 
 /// A step of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
-    /// Hold the base law against the measurements before anything is fitted.
+    /// Compare the base law with the measurements before any fit.
     Compare,
     /// Fit the model.
     Calibrate,
-    /// Search for the effect that it lacks.
+    /// Search for a missing effect.
     Diagnose,
     /// Add that effect to the model.
     Add,
 }
 
 impl Action {
-    /// For people.
+    /// Word for display.
     pub fn word(self) -> &'static str {
         match self {
             Self::Compare => "compare",
@@ -44,7 +44,7 @@ impl Action {
         }
     }
 
-    /// What it will do, in a few words.
+    /// Intent in a few words.
     pub fn intent(self) -> &'static str {
         match self {
             Self::Compare => "hold the base law against the measurements",
@@ -58,13 +58,13 @@ impl Action {
 /// A step that was done.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Done {
-    /// Which.
+    /// The step.
     pub action: Action,
-    /// What came out.
+    /// Its result.
     pub outcome: String,
 }
 
-/// A study as far as it has come.
+/// State of a study.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StudyRecord {
     /// [`STUDY_FORMAT`].
@@ -73,53 +73,53 @@ pub struct StudyRecord {
     pub measurements_sha256: String,
     /// Seed of all draws.
     pub seed: u64,
-    /// The verdict, once there is one.
+    /// The verdict, if there is one.
     pub verdict: Option<Verdict>,
     /// The verdict in a sentence.
     pub sentence: Option<String>,
-    /// Why the study ended; absent while it goes on.
+    /// Reason for which the study ended; absent before that.
     pub ended: Option<String>,
-    /// The next step; absent where the study has ended.
+    /// The next step; absent if the study has ended.
     pub next: Option<Action>,
-    /// What was done.
+    /// Steps that were done.
     pub done: Vec<Done>,
     /// Effects that the study added, in order.
     pub added: Vec<String>,
-    /// The first model and that with each effect that was added, held against all data.
+    /// The first model and that with each added effect, compared with all data.
     #[serde(default)]
     pub searched: Vec<Searched>,
-    /// In what the errors below are told: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// What noise alone would leave of the calibration passes [µm].
+    /// Noise floor of the calibration passes [µm].
     pub noise_floor_um: f64,
-    /// The same of the evaluation passes; absent where none is held out.
+    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
     #[serde(default)]
     pub evaluation_noise_floor_um: Option<f64>,
-    /// What the reader understood of the files where it was not the plain case, one sentence each.
+    /// Notes on ambiguous input files and how they were interpreted, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// What the checks of scans and logs against each other found, for machines.
+    /// Findings of the consistency checks between scans and logs.
     #[serde(default)]
     pub findings: Vec<Finding>,
-    /// The first answer, before anything was fitted to the end; absent where it was not asked for.
+    /// The first answer, before any complete fit; absent if it was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_answer: Option<FirstAnswer>,
-    /// How the error fell so far.
+    /// Error after each step so far.
     pub waterfall: Vec<WaterfallStep>,
-    /// The effect to add, while that is the next step, and the text of the model with it as the search fitted it.
+    /// The effect to add, while that is the next step, and the text of the fitted model with it.
     pub to_add: Option<[String; 2]>,
-    /// The last diagnosis as `diagnose --json` tells it.
+    /// The last diagnosis in the form of `diagnose --json`.
     pub diagnosis: Option<Value>,
-    /// The numbers behind all decisions, by name, as this program has them; those of a record that is read are left out.
+    /// Values of all decision criteria of this program, by name; those of a record that is read are ignored.
     #[serde(skip_deserializing)]
     pub criteria: CriterionValues,
 }
 
 impl StudyRecord {
-    /// The record of a study's folder.
+    /// Reads the record in a study's folder.
     ///
     /// # Errors
-    /// Wrong use where it is none, or of other measurements than the campaign holds now.
+    /// Wrong use if it is no record, or of other measurements than the campaign holds now.
     pub fn read(folder: &Path, campaign: &Path) -> Result<Self> {
         let file = folder.join(STUDY_FILE);
         let record: Self = read_json(&file, "the record of a study")?;
@@ -138,7 +138,7 @@ impl StudyRecord {
         Ok(record)
     }
 
-    /// A study that begins.
+    /// A study before its first step.
     pub fn new(measurements_sha256: String, seed: u64) -> Self {
         Self {
             format: STUDY_FORMAT.to_owned(),
@@ -164,14 +164,14 @@ impl StudyRecord {
         }
     }
 
-    /// Counts a frame or clock that is off as the effect of the library that does the same. The model does without it: every
-    /// fit leaves both free.
+    /// Records a wrong frame or clock as the equivalent effect of the library. The model does not contain it: every fit
+    /// leaves both free.
     pub(super) fn add_frame(&mut self, frame: Option<&FrameEstimate>) {
         let effect = frame.and_then(|frame| frame.cause.effect()).filter(|name| !self.added.iter().any(|a| a == name));
         self.added.extend(effect.map(str::to_owned));
     }
 
-    /// What a search says in a sentence, given the effects that were added before it.
+    /// Sentence on a search, given the effects that were added before it.
     pub(super) fn sentence_with(&self, verdict: Verdict, to_add: Option<&str>, of_search: &str) -> String {
         let names: Vec<&str> = self.added.iter().map(String::as_str).chain(to_add).collect();
         let names = names.join(" and ");
@@ -187,12 +187,12 @@ impl StudyRecord {
         }
     }
 
-    /// What noise alone leaves of calibration and evaluation passes, as the report takes it.
+    /// Noise floors of calibration and evaluation passes, in the report's form.
     pub(super) fn floors(&self) -> (f64, Option<f64>) {
         (self.noise_floor_um, self.evaluation_noise_floor_um)
     }
 
-    /// An error in its unit, with the held-out one.
+    /// Formats an error in its unit, with the held-out one.
     pub(super) fn shown(&self, step: &WaterfallStep) -> String {
         let unit = self.error_unit.symbol();
         let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", held out {rms:.2} {unit}"));

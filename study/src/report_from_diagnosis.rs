@@ -1,4 +1,4 @@
-//! The report's text and tables from a diagnosis.
+//! Text and tables of a report, from a diagnosis.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ use robot::Tool;
 use trials::measure::Registration;
 use trials::trial::{Campaign, Finding, PassScan};
 
-/// How scans are laid and judged, a sentence each.
+/// Methods of registration and comparison of scans, a sentence each.
 const METHOD: [&str; 3] = [
     "Each scan is laid on the surface that the tool left alone; its height, tilt and shift stay free in every fit.",
     "The scan noise is the root mean square of one pixel's error, from the repeated scan before the first pass, or \
@@ -33,32 +33,32 @@ const METHOD: [&str; 3] = [
      leaves of an error near the tool. Calibration and evaluation passes each have their own.",
 ];
 
-/// What a report is made from.
+/// Input of a report.
 pub struct ReportInput<'a> {
-    /// The campaign, where it has scans.
+    /// The campaign, if it has scans.
     pub scans: Option<(&'a Campaign, &'a ScanEvidence<'a>)>,
-    /// The rows, where it is a table.
+    /// The rows, if it is a table.
     pub rows: Option<&'a RowEvidence<'a>>,
-    /// Where it was read.
+    /// Folder of the measurements.
     pub folder: &'a Path,
-    /// The value found.
+    /// The diagnosis.
     pub diagnosis: &'a Diagnosis,
-    /// The same in numbers.
+    /// Its summary.
     pub summary: &'a DiagnosisSummary,
     /// Seed of all draws.
     pub seed: u64,
-    /// What the reader understood of the files.
+    /// Notes on how the input files were interpreted.
     pub notes: Vec<String>,
-    /// What the checks of scans and logs against each other found.
+    /// Findings of the consistency checks between scans and logs.
     pub findings: Vec<Finding>,
 }
 
-/// The answer of a diagnosis: what is missing, and where the base model fails.
+/// JSON answer of a diagnosis: the missing effects, and the misfit of the base model.
 #[derive(Serialize)]
 struct Answer<'a> {
-    /// What the reader understood of the files where it was not the plain case.
+    /// Notes on ambiguous input files and how they were interpreted.
     notes: &'a [String],
-    /// What the checks of scans and logs against each other found.
+    /// Findings of the consistency checks between scans and logs.
     findings: &'a [Finding],
     #[serde(flatten)]
     summary: &'a DiagnosisSummary,
@@ -66,10 +66,10 @@ struct Answer<'a> {
     failures: &'a Failures,
 }
 
-/// Fills a report; its `diagnosis` is the answer for machines.
+/// Fills a report; its `diagnosis` is the JSON answer.
 ///
 /// # Errors
-/// When a model cannot be simulated, or an input file not be read again for its hash.
+/// If a model cannot be simulated, or an input file cannot be read again for its hash.
 pub fn report(input: &ReportInput) -> Result<StudyReport> {
     let ReportInput { diagnosis, summary, .. } = input;
     let filled = match (input.scans, input.rows) {
@@ -108,7 +108,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
     })
 }
 
-/// What comes from the data themselves.
+/// Parts of a report that come from scans or rows.
 #[derive(Default)]
 struct Filled {
     failures: Failures,
@@ -176,7 +176,7 @@ pub(super) fn verdict(verdict: Verdict) -> super::Verdict {
     }
 }
 
-/// What was compared: a model with the scans of a campaign, or with rows.
+/// The compared model and measurements: scans of a campaign, or rows.
 pub(super) fn compared(
     (model, scans): (&Model, Option<(&Campaign, &ScanEvidence)>),
     folder: &Path,
@@ -198,7 +198,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
     folder.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
 }
 
-/// What was compared of a campaign with scans, added to what is `named` already.
+/// Adds the passes and lattice of a campaign with scans to `named`.
 pub(super) fn compared_scans(
     campaign: &Campaign,
     evidence: &ScanEvidence,
@@ -233,8 +233,8 @@ pub(super) fn compared_scans(
     }
 }
 
-/// The steps and the noise floors of calibration and evaluation passes below them. Steps before the base model have no share
-/// of its excess.
+/// Waterfall with the noise floors of calibration and evaluation passes as its last step. Steps before the base model
+/// have no share of its excess.
 pub(super) fn waterfall(
     steps: &[lab::WaterfallStep],
     (floor, held_out): (f64, Option<f64>),
@@ -265,8 +265,8 @@ pub(super) fn waterfall(
     Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
 }
 
-/// Effects that were fitted, by search and within each the most probable first, each with why it is in or out; then those
-/// that were not, with the reason.
+/// Fitted effects, by search and in descending order of probability, each with the reason for or against it; then the
+/// others, with the reason.
 pub(super) fn suspects(fitted: &[EffectSummary], unfitted: &[Unfitted], unit: ErrorUnit) -> Vec<super::Suspect> {
     let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
     let of_search = fitted.chunk_by(|a, b| a.search == b.search);

@@ -1,4 +1,4 @@
-//! The tests of structure on what a model leaves of scans, or of a table's rows.
+//! Tests of structure in the residuals of scans, or of a table's rows.
 
 use crate::TestOfMissing;
 use lab::Simulated;
@@ -8,9 +8,9 @@ use lab::{
     structure_tests,
 };
 
-/// Tests what a model leaves of the scans of a split.
+/// Tests the residuals of the scans of a split.
 ///
-/// - `degrees_of_freedom`: parameters that were fitted to them
+/// - `degrees_of_freedom`: number of parameters that were fitted to them
 pub fn of_scans(
     evidence: &ScanEvidence,
     simulated: &Simulated,
@@ -53,7 +53,7 @@ pub fn of_rows(
     tests
 }
 
-/// What the scans of one trial share; `None` where there is only one.
+/// Tiles that the scans of one trial share; `None` if there is only one scan.
 fn shared_tiles<'a>(
     evidence: &ScanEvidence,
     simulated: &Simulated,
@@ -86,7 +86,7 @@ fn shared_tiles<'a>(
     })
 }
 
-/// The tests as the report shows them.
+/// Converts the tests to the report's form.
 pub fn reported(tests: &[StructureTest]) -> Vec<TestOfMissing> {
     let test = |test: &StructureTest| TestOfMissing {
         name: test.name.clone(),

@@ -1,4 +1,4 @@
-//! Residuals of a table's rows with what is known of each row.
+//! Residuals of a table's rows over covariates of each row.
 
 use effects::CompiledModel;
 
@@ -10,7 +10,7 @@ use lab::{
 use trials::measure::centre_and_sigma;
 use trials::table::Row;
 
-/// What a row may tell of itself: name, unit, SI value of one unit, value.
+/// A covariate of a row: name, unit, SI value of one unit, value.
 type Known = (&'static str, &'static str, f64, fn(&Row) -> Option<f64>);
 const COVARIATES: [Known; 5] = [
     ("force", "N", 1.0, |row| row.force),
@@ -36,10 +36,10 @@ pub fn covariate(evidence: &RowEvidence, at: usize) -> (String, Stated) {
     }
 }
 
-/// Holds what is known of each row against what a model leaves of a split.
+/// Studies the dependence of a split's residuals on the covariates of each row.
 ///
 /// # Errors
-/// When the model cannot be evaluated.
+/// If the model cannot be evaluated.
 pub fn study(
     evidence: &RowEvidence,
     model: &CompiledModel,
@@ -73,8 +73,8 @@ pub fn study(
     Ok(covariate_study(&[field], 1.0, seed))
 }
 
-/// Whether what is left goes with a column that the table declares: the share and p-value of the covariate that explains
-/// most, corrected for their number; `None` with too few rows.
+/// Test of the dependence of residuals on declared columns: share and p-value of the covariate that explains most,
+/// corrected for their number; `None` with too few rows.
 pub fn test_of_declared(evidence: &RowEvidence, study: &CovariateStudy) -> Option<StructureTest> {
     let declared = COVARIATES.len() + 2 + evidence.table.usage.len();
     let own = study.covariates.iter().filter(|one| one.covariate < declared);
@@ -83,7 +83,7 @@ pub fn test_of_declared(evidence: &RowEvidence, study: &CovariateStudy) -> Optio
     Some(StructureTest { name, statistic: most.share, p_value: most.p_value_of_all, rejects: false })
 }
 
-/// Rows that a tool has done since it was fresh, before each row.
+/// Number of rows of a tool since it was fresh, before each row.
 fn since_fresh(rows: &[Row]) -> Vec<f64> {
     let count = |at: usize| {
         let same = rows[..=at].iter().rev().filter(|row| row.tool == rows[at].tool);

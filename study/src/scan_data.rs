@@ -1,4 +1,4 @@
-//! What belongs to passes and scans: maps, sections, volumes, the waterfall.
+//! Report data of passes and scans: maps, sections, volumes, the waterfall.
 
 use sdf_bake::PixelGrid;
 
@@ -11,7 +11,7 @@ use trials::trial::Role;
 pub struct ComparedPass {
     /// Trial and pass, such as `plate-03, pass 1`.
     pub name: String,
-    /// Whether it was fitted or only judged.
+    /// Role of the pass: fitted, or held out.
     pub role: Role,
     /// Force setpoint [N].
     pub force: Option<f64>,
@@ -21,36 +21,36 @@ pub struct ComparedPass {
     pub spindle_speed: Option<f64>,
     /// Scan noise [m]: root mean square of one pixel's error in its scan.
     pub noise_floor: Option<f64>,
-    /// How its scan was laid on the surface that the tool left alone.
+    /// Registration of its scan on the untouched surface.
     pub alignment: Option<Registration>,
 }
 
-/// What the waterfall counts.
+/// Error measure of the waterfall.
 #[derive(Clone, Debug)]
 pub struct Misfit {
-    /// What it is, such as `height, root mean square` or `pixels that disagree`.
+    /// Name of the measure, such as `height, root mean square` or `pixels that disagree`.
     pub name: String,
-    /// Unit for people, such as µm or %.
+    /// Display unit, such as µm or %.
     pub unit: Stated,
 }
 
 impl Misfit {
-    /// Heights in micrometres.
+    /// Height error in micrometres.
     pub fn heights() -> Self {
         Self { name: "height, root mean square".to_owned(), unit: Stated::new("µm", 1e-6) }
     }
 }
 
-/// How the error falls from the raw difference to the noise floor.
+/// Error after each step, from the raw difference to the noise floor.
 #[derive(Clone, Debug)]
 pub struct Waterfall {
-    /// What is counted.
+    /// Error measure of the steps.
     pub misfit: Misfit,
     /// Names of the passes whose volumes are listed, such as `plate-03, pass 1`.
     pub passes: Vec<String>,
     /// Raw, registered, base model, each added effect; the last one is the noise floor.
     pub steps: Vec<WaterfallStep>,
-    /// What is to be known of it, one sentence each.
+    /// Notes, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -59,19 +59,18 @@ pub struct Waterfall {
 pub struct WaterfallStep {
     /// Name, such as `base model` or `+ grit-dulling`.
     pub name: String,
-    /// Misfit over calibration passes, SI.
+    /// Error over calibration passes, SI.
     pub calibration: Option<f64>,
-    /// Misfit over evaluation passes, SI.
+    /// Error over evaluation passes, SI.
     pub evaluation: Option<f64>,
-    /// Error of the volume that each pass removed and its standard uncertainty, as shares of the measured volume [1]; the
-    /// same volume as of [`PassVolume`].
+    /// Error of the volume that each pass removed and its standard uncertainty, relative to the measured volume [1];
+    /// the same volume as in [`PassVolume`].
     pub volume_errors: Vec<Option<(f64, f64)>>,
     /// Root mean square of the error of the plateaus' slopes across the path [1].
     pub plateau_slope: Option<f64>,
-    /// Mean of intersection over union of what is exposed [1].
+    /// Mean intersection over union of the exposed areas [1].
     pub overlap: Option<f64>,
-    /// Share of the base model's excess that is still unexplained [1]: 1 at the base model, `None` before it and at the
-    /// floor.
+    /// Unexplained share of the base model's excess [1]: 1 at the base model, `None` before it and at the floor.
     pub unexplained: Option<f64>,
 }
 
@@ -90,18 +89,18 @@ pub struct PassVolume {
     pub with_effect: Option<f64>,
 }
 
-/// One scan against the simulation.
+/// Comparison of one scan with the simulation.
 #[derive(Clone, Debug)]
 pub struct ScanComparison {
     /// The pass after which it was taken, such as `plate-03, pass 1`.
     pub pass: String,
-    /// Whether it was fitted or only judged.
+    /// Role of the pass: fitted, or held out.
     pub role: Role,
     /// The maps.
     pub maps: Maps,
 }
 
-/// What a scan shows.
+/// Content of a scan.
 #[derive(Clone, Debug)]
 pub enum Maps {
     /// Heights after grinding.
@@ -113,7 +112,7 @@ pub enum Maps {
 /// Residuals of a height map: measured - simulated, so that positive is material left over.
 #[derive(Clone, Debug)]
 pub struct HeightMaps {
-    /// Where the pixels lie.
+    /// Positions of the pixels.
     pub pixels: PixelGrid,
     /// Measured - base model [m], NaN where missing, shape `[ny, nx]`.
     pub base: Vec<f64>,
@@ -121,7 +120,7 @@ pub struct HeightMaps {
     pub with_effect: Option<Vec<f64>>,
     /// Pixels over which statistics are taken, such as those the tool touched; shape `[ny, nx]`.
     pub judged: Vec<bool>,
-    /// What they are, such as `touched by the tool`.
+    /// Description of these pixels, such as `touched by the tool`.
     pub judged_as: String,
     /// Scan noise [m]: root mean square of one pixel's error.
     pub noise_floor: f64,
@@ -130,9 +129,9 @@ pub struct HeightMaps {
 /// Exposed substrate after sanding, measured and simulated.
 #[derive(Clone, Debug)]
 pub struct ExposureMaps {
-    /// Where the pixels lie.
+    /// Positions of the pixels.
     pub pixels: PixelGrid,
-    /// Measured; `None` where the optics could not tell, shape `[ny, nx]`.
+    /// Measured; `None` where the optics were undecided, shape `[ny, nx]`.
     pub measured: Vec<Option<bool>>,
     /// Simulated with the base model, shape `[ny, nx]`.
     pub base: Vec<bool>,
@@ -140,7 +139,7 @@ pub struct ExposureMaps {
     pub with_effect: Option<Vec<bool>>,
 }
 
-/// Which way a section runs.
+/// Direction of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction {
     /// Across the bead at this x [m].
@@ -156,9 +155,9 @@ pub enum Direction {
 pub struct ScanSection {
     /// The pass after which the scan was taken.
     pub pass: String,
-    /// Which way it runs.
+    /// Direction of the section.
     pub direction: Direction,
-    /// Way along the section [m].
+    /// Position along the section [m].
     pub position: Vec<f64>,
     /// Measured heights [m], NaN where missing.
     pub measured: Vec<f64>,
@@ -170,34 +169,35 @@ pub struct ScanSection {
     pub noise_floor: f64,
 }
 
-/// Mean of (measured - simulated) / simulated removal over a bin of a covariate; when sanding, of the share of substrate.
+/// Mean of (measured - simulated) / simulated removal over a bin of a covariate; when sanding, of the share of
+/// substrate.
 #[derive(Clone, Copy, Debug)]
 pub struct Bin {
     /// Mean of the covariate, SI.
     pub covariate: f64,
     /// Mean relative residual [1].
     pub residual: f64,
-    /// Its 95 % band from blocks [1].
+    /// Its 95 % band from the block bootstrap [1].
     pub band: [f64; 2],
 }
 
-/// Residual of the base model against one covariate.
+/// Residual of the base model over one covariate.
 #[derive(Clone, Debug)]
 pub struct CovariatePlot {
     /// Name, such as `contact pressure`.
     pub name: String,
-    /// Unit for people.
+    /// Display unit.
     pub unit: Stated,
-    /// Bins in increasing order of the covariate.
+    /// Bins in ascending order of the covariate.
     pub bins: Vec<Bin>,
-    /// The same bins with the effects found; empty without one.
+    /// The same bins with the effects found; empty if there are none.
     pub with_effect: Vec<Bin>,
-    /// Share of the excess variance that it explains [1].
+    /// Share of the excess variance that a spline of it explains [1].
     pub share: f64,
-    /// What all covariates together explain less without it, as a share of the same excess [1].
+    /// Fall of the share that all covariates explain together when this one is left out [1].
     pub drop: f64,
-    /// Chance of such a share if there is no dependence [1].
+    /// P-value of the share where residuals do not depend on the covariate [1].
     pub p_value: f64,
-    /// Chance that any of the covariates reaches such a share if none matters [1].
+    /// P-value that the largest share of any covariate reaches this one where none matters [1].
     pub p_value_of_all: f64,
 }

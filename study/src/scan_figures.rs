@@ -1,4 +1,4 @@
-//! One scan in numbers: error, volume, plateau, exposed area, sections.
+//! Figures of one scan: error, volume, plateau, exposed area, sections.
 
 use serde::Serialize;
 
@@ -10,10 +10,10 @@ use lab::{ScanData, ScanEvidence, ScanView};
 use trials::measure::Plateau;
 use trials::trial::Role;
 
-/// A section in numbers.
+/// Figures of a section.
 #[derive(Clone, Debug, Serialize)]
 pub struct SectionFigures {
-    /// Where, such as `x = 20 mm`.
+    /// Position, such as `x = 20 mm`.
     pub place: String,
     /// Root mean square of measured minus simulated along it [µm].
     pub rms_um: f64,
@@ -21,14 +21,14 @@ pub struct SectionFigures {
     pub plateau_height_error_um: Option<f64>,
 }
 
-/// One scan in numbers.
+/// Figures of one scan.
 #[derive(Clone, Debug, Serialize)]
 pub struct ScanFigures {
     /// Trial and pass.
     pub pass: String,
     /// Role of the pass: calibration or evaluation.
     pub role: Role,
-    /// Root mean square near the tool [µm]; when sanding, the mean distance of the borders.
+    /// Root mean square error near the tool [µm]; when sanding, the mean distance of the borders.
     pub rms_um: f64,
     /// Noise floor of `rms_um`: the error that a perfect model would leave [µm].
     pub noise_floor_um: f64,
@@ -38,15 +38,15 @@ pub struct ScanFigures {
     pub plateau_height_error_um: Option<[f64; 2]>,
     /// Slope of the plateau across the path: measured, its standard uncertainty, simulated [mrad].
     pub plateau_slope_mrad: Option<[f64; 3]>,
-    /// Exposed area, measured and simulated [mm²]; when sanding.
+    /// Exposed area, measured and simulated [mm²]; absent when grinding.
     pub exposed_mm2: Option<[f64; 2]>,
     /// Intersection over union of the exposed area.
     pub intersection_over_union: Option<f64>,
-    /// Sections that were asked for.
+    /// Requested sections.
     pub sections: Vec<SectionFigures>,
 }
 
-/// A section in numbers.
+/// Computes the figures of a section.
 fn section(ground: &Ground, plateau: &Plateau, line: Direction) -> SectionFigures {
     let pixels = line_of(ground.seen.pixels, line);
     let left: Vec<f64> = pixels.iter().map(|&at| ground.left[at]).filter(|left| left.is_finite()).collect();
@@ -66,9 +66,9 @@ fn section(ground: &Ground, plateau: &Plateau, line: Direction) -> SectionFigure
     }
 }
 
-/// A scan in numbers.
+/// Computes the figures of a scan.
 ///
-/// - `lines`: sections that were asked for
+/// - `lines`: requested sections
 pub(super) fn figures(
     evidence: &ScanEvidence,
     view: &ScanView,

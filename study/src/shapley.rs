@@ -1,27 +1,28 @@
-//! How much of a fall each of two effects accounts for, whatever the order in which they are added.
+//! Shapley shares of two effects in a fall of χ², averaged over both orders of adding.
 
 use lab::criteria::SHAPLEY_OVERLAP;
 use lab::{Diagnosis, DiagnosisSummary};
 
-/// Shares of a fall of the sum of squares.
+/// Shares of a fall of χ².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharedFall {
-    /// Part of the fall that either explains alone.
+    /// Share of the fall that either effect explains alone.
     pub overlap: f64,
-    /// Shapley's values of the first and the second effect, as shares.
+    /// Shapley values of the first and the second effect, as shares.
     pub of: [f64; 2],
 }
 
 impl SharedFall {
-    /// From the falls with the first effect alone, with the second alone and with both (Shapley 1953).
+    /// Computes the shares from the falls with the first effect alone, with the second alone and with both (Shapley
+    /// 1953).
     pub fn new([first, second, both]: [f64; 3]) -> Self {
         let shapley = |own: f64, other: f64| 0.5 * (own + both - other) / both;
         Self { overlap: (first + second - both) / both, of: [shapley(first, second), shapley(second, first)] }
     }
 }
 
-/// The shares of the first two effects of a diagnosis, where they overlap by more than a fifth and the second was fitted
-/// alone too.
+/// The shares of the first two effects of a diagnosis, if they overlap by more than a fifth and the second was also
+/// fitted alone.
 fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
     let (one, found) = (&diagnosis.rounds[0], diagnosis.found());
     let [first, second, ..] = &found[..] else { return None };
@@ -32,7 +33,7 @@ fn shared_fall(diagnosis: &Diagnosis) -> Option<SharedFall> {
     (shares.overlap > SHAPLEY_OVERLAP).then_some(shares)
 }
 
-/// How two effects share the fall of the error where they do the same in part.
+/// Sentence on the shares of two effects that overlap.
 pub(super) fn overlap(diagnosis: &Diagnosis, summary: &DiagnosisSummary) -> Option<String> {
     let shares = shared_fall(diagnosis)?;
     let [one, other] = [0, 1].map(|k| summary.effects.get(k).map_or("", |effect| effect.name.as_str()));

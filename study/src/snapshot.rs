@@ -1,7 +1,7 @@
-//! The state between two passes on disk: the workpiece, what the tool remembers, and what both came from.
+//! State between two passes on disk: the workpiece, the states of the tool, and the inputs of both.
 //!
-//! After pass N a folder holds `state-N.nvdb` (the field with all its channels) and `state-N.json`. A run that begins
-//! from there gives the same bytes as one that was never interrupted.
+//! After pass N a folder holds `state-N.nvdb` (the field with all its channels) and `state-N.json`. A run that is
+//! resumed from there gives the same bytes as one that was never interrupted.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub const STATE_NAMES: &[&str] = &["state-*.nvdb", "state-*.json"];
 pub struct Snapshot {
     /// The workpiece.
     pub part: BrickGrid,
-    /// What the tool remembers.
+    /// States of the tool.
     pub tool: States,
     /// Time since the first pass began [s].
     pub trial_time: f64,
@@ -37,12 +37,12 @@ pub struct Snapshot {
     pub record: PassRecord,
 }
 
-/// Which states a run keeps, and where it begins.
+/// Options of a run: the states to write, and the state to start from.
 #[derive(Clone, Debug, Default)]
 pub struct Keeping {
-    /// Whether the state after every pass is written.
+    /// True if the state after every pass is written.
     pub snapshots: bool,
-    /// The state to begin from; `None`: from the beginning.
+    /// The state to start from; `None` starts from the first pass.
     pub resume: Option<Resume>,
 }
 
@@ -51,7 +51,7 @@ pub struct Keeping {
 pub struct Resume {
     /// Result folder of that run.
     pub folder: PathBuf,
-    /// Passes that were done by then.
+    /// Number of passes done before the state.
     pub passes: usize,
 }
 
@@ -73,10 +73,10 @@ struct StateFile {
 }
 
 impl Resume {
-    /// The state after `passes`, or the last one that the folder holds.
+    /// The state after `passes`, or the last one in the folder.
     ///
     /// # Errors
-    /// Wrong use when the folder has no such state, or the run has only `most` passes.
+    /// Wrong use if the folder has no such state, or the run has only `most` passes.
     pub fn new(folder: &Path, passes: Option<usize>, most: usize) -> Result<Self> {
         let kept: Vec<usize> = (1..=most).filter(|&n| place(folder, n, "json").is_file()).collect();
         let found = || match kept.as_slice() {
@@ -98,11 +98,11 @@ impl Resume {
 }
 
 impl Keeping {
-    /// Copies the states up to the one that a run begins from into its own `folder`, where states are kept: so it can
-    /// be resumed in its turn.
+    /// Copies the states up to the one that a run starts from to its own `folder`, where states are written, so that
+    /// this run can also be resumed.
     ///
     /// # Errors
-    /// When a file cannot be read or written.
+    /// If a file cannot be read or written.
     pub fn copy_earlier(&self, folder: &Path) -> Result<()> {
         let Some(resume) = self.resume.as_ref().filter(|_| self.snapshots) else { return Ok(()) };
         for (pass, extension) in (1..=resume.passes).flat_map(|pass| [(pass, "nvdb"), (pass, "json")]) {
@@ -114,7 +114,7 @@ impl Keeping {
     }
 }
 
-/// What the result folder of a run holds that ended after some of its passes.
+/// Description of the result folder of a run that ended after some of its passes.
 pub fn kept(folder: &Path, (done, all): (usize, usize), snapshots: bool) -> String {
     let place = folder.display();
     let from_there =
@@ -126,10 +126,10 @@ fn place(folder: &Path, pass: usize, extension: &str) -> PathBuf {
     folder.join(format!("state-{pass}.{extension}"))
 }
 
-/// The fields of the states that a result folder keeps, in the order of their passes.
+/// The fields of the states in a result folder, in the order of their passes.
 ///
 /// # Errors
-/// A folder without any.
+/// If the folder has none.
 pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
     let fields: Vec<PathBuf> =
         (1..).map(|pass| place(folder, pass, "nvdb")).take_while(|field| field.is_file()).collect();
@@ -142,7 +142,7 @@ pub fn kept_fields(folder: &Path) -> Result<Vec<PathBuf>> {
 /// Writes the state after a pass.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Result<()> {
     let file = place(folder, pass, "nvdb");
     let field = nvdb::write_field(&state.part, Codec::Zip).map_err(FileError::encoding(&file))?;
@@ -167,7 +167,7 @@ pub fn write(folder: &Path, pass: usize, state: &Snapshot, origin: Origin) -> Re
 /// Reads the state after a pass.
 ///
 /// # Errors
-/// A file that is absent or damaged, or a state with another `origin`: the message names what differs.
+/// If a file is absent or damaged, or the state has another `origin`: the message names the differences.
 pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) -> Result<Snapshot> {
     let (json, nvdb) = (place(folder, pass, "json"), place(folder, pass, "nvdb"));
     let state: StateFile = read_json(&json, "a state")?;
@@ -198,7 +198,7 @@ pub fn read(folder: &Path, pass: usize, model: &CompiledModel, origin: &Origin) 
     })
 }
 
-/// Names that differ between two origins, with both values where they are short.
+/// Names that differ between two origins, with both values if they are short.
 fn differences(then: &Origin, now: &Origin) -> Vec<String> {
     let names: std::collections::BTreeSet<&String> = then.keys().chain(now.keys()).collect();
     let shown = |value: Option<&String>| match value {

@@ -1,4 +1,4 @@
-//! The course of a study: compare, calibrate, diagnose, add, calibrate again, until the stop rule ends it.
+//! Sequence of a study: compare, calibrate, diagnose, add, calibrate again, until the stop rule ends it.
 
 use std::cell::Cell;
 
@@ -19,9 +19,9 @@ use lab::{
     OnProgress, Order, ParameterSummary, Proposal, Searched, Totals, Unfitted, Verdict, beginning, parameter_summary,
 };
 
-/// A study under way: its record, and what this run of the program has in memory of it.
+/// A study in progress: its record, and the results that this run of the program holds in memory.
 pub struct StudyState<'a> {
-    /// What is kept.
+    /// The record that is stored.
     pub record: StudyRecord,
     /// The model so far.
     pub model: Model,
@@ -36,10 +36,10 @@ pub struct StudyState<'a> {
 }
 
 impl<'a> StudyState<'a> {
-    /// A study that goes on from a record and a model, or begins with them.
+    /// Continues a study from a record and a model, or begins it with them.
     ///
     /// # Errors
-    /// A model that does not fit the measurements.
+    /// If the model does not fit the measurements.
     pub fn new(data: Data<'a>, library: &'a Library, model: Model, record: StudyRecord) -> Result<Self> {
         let record = StudyRecord { notes: data.notes(), findings: data.findings(), ..record };
         let model = data.fitting(model, library)?;
@@ -58,7 +58,7 @@ impl<'a> StudyState<'a> {
     /// Does the next step, unless the study has ended.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub fn step(&mut self, told: OnProgress) -> Result<Option<Done>> {
         let Some(action) = self.record.next else { return Ok(None) };
         let outcome = match action {
@@ -72,7 +72,7 @@ impl<'a> StudyState<'a> {
         Ok(Some(done))
     }
 
-    /// Holds the base law against the measurements.
+    /// Compares the base law with the measurements.
     fn compare(&mut self) -> Result<String> {
         let evidence = self.data.evidence();
         let (waterfall, (floor, held_out)) = beginning(evidence, &self.start()?)?;
@@ -90,7 +90,7 @@ impl<'a> StudyState<'a> {
         Ok(CompiledModel::new(&start, self.library, self.data.evidence().rows())?)
     }
 
-    /// Fits the model, unless a search of this run has done it together with the effect that it found.
+    /// Fits the model, unless a search of this run has fitted it together with the effect that it found.
     fn calibrate(&mut self, told: OnProgress) -> Result<String> {
         self.fitted(told)?;
         let calibration = self.calibration.as_ref().expect("the model is fitted");
@@ -113,7 +113,7 @@ impl<'a> StudyState<'a> {
         Ok(text)
     }
 
-    /// The stop rule after a calibration.
+    /// Applies the stop rule after a calibration.
     fn decide(&mut self, floors: f64) {
         let record = &mut self.record;
         record.next = None;
@@ -134,7 +134,7 @@ impl<'a> StudyState<'a> {
         };
     }
 
-    /// Makes sure that the model and those that it grew from are fitted.
+    /// Fits the model and the smaller models on the way to it, if that is not done yet.
     fn fitted(&mut self, told: OnProgress) -> Result<()> {
         if let Some(calibration) = self.calibration.take_if(|c| c.steps.len() == 1 + self.model.effects.len()) {
             let is_added = self.record.done.last().is_some_and(|done| done.action == Action::Add);
@@ -153,7 +153,7 @@ impl<'a> StudyState<'a> {
         Ok(())
     }
 
-    /// Searches for one effect that the model lacks.
+    /// Searches for one missing effect.
     fn diagnose(&mut self, told: OnProgress) -> Result<String> {
         self.fitted(&|_, _, _| {})?;
         let fit = self.calibration.as_ref().expect("the model is fitted").last().fit.clone();
@@ -187,8 +187,8 @@ impl<'a> StudyState<'a> {
         Ok(outcome.join("\n"))
     }
 
-    /// The effect to add, and the verdict over all searches so far by the gates of a diagnosis: while more may be found, that
-    /// of the last search alone.
+    /// Returns the effect to add, and sets the verdict over all searches so far by the rules of a diagnosis. While more
+    /// may be found, the verdict of the last search is kept.
     fn judged(&mut self, diagnosis: &mut Diagnosis) -> Option<String> {
         let record = &mut self.record;
         let first = &diagnosis.rounds[0];
@@ -207,7 +207,7 @@ impl<'a> StudyState<'a> {
         Some(name)
     }
 
-    /// Adds the effect that was found, with the values that the search fitted.
+    /// Adds the effect that was found, with its fitted values.
     fn add(&mut self) -> Result<String> {
         let Some([name, text]) = self.record.to_add.take() else {
             return Err(LabError::Refused(format!("{STUDY_FILE}: names no effect to add")));
@@ -222,7 +222,7 @@ impl<'a> StudyState<'a> {
         Ok(format!("{name} is in the model"))
     }
 
-    /// The fitted parameters of the model so far; none before the first calibration.
+    /// The fitted parameters of the present model; empty before the first calibration.
     pub fn parameters(&self) -> Vec<ParameterSummary> {
         let estimates = self.calibration.iter().flat_map(|calibration| calibration.last().estimates());
         estimates.map(|estimate| parameter_summary(&estimate)).collect()
@@ -233,7 +233,7 @@ impl<'a> StudyState<'a> {
         self.diagnosis.as_ref().map(|(diagnosis, _)| diagnosis)
     }
 
-    /// The effect that the last search proposed for what no effect of the library describes.
+    /// The effect proposed by the last search if no effect of the library describes the data.
     pub fn proposal(&self) -> Option<&Proposal> {
         self.diagnosis.as_ref().and_then(|(_, summary)| summary.proposal.as_ref())
     }
@@ -243,15 +243,15 @@ impl<'a> StudyState<'a> {
         self.diagnosis.as_ref().and_then(|(_, summary)| summary.next_trial.as_ref())
     }
 
-    /// The measurements as fits see them.
+    /// The measurements as evidence for fits.
     pub fn evidence(&self) -> &dyn Totals {
         self.data.evidence()
     }
 
-    /// The report of what is known so far.
+    /// Fills the report of the present state.
     ///
     /// # Errors
-    /// When a model cannot be simulated.
+    /// If a model cannot be simulated.
     pub fn report(&mut self) -> Result<StudyReport> {
         let numbers = self
             .calibration
@@ -299,14 +299,14 @@ impl<'a> StudyState<'a> {
         })
     }
 
-    /// The most probable model of the last search, where the study ended because it could not be named alone.
+    /// The most probable model of the last search, if the study ended because it could not be named alone.
     fn rival(&self) -> Option<&CompiledModel> {
         let searched_last = self.record.done.last().is_some_and(|done| done.action == Action::Diagnose);
         let (diagnosis, _) = self.diagnosis.as_ref().filter(|_| searched_last && self.record.next.is_none())?;
         diagnosis.found().first().map(|found| &found.suspect.fit.model)
     }
 
-    /// The verdict, or how far the study is.
+    /// Sentence on the verdict, or on the present state.
     fn sentence(&self) -> String {
         let record = &self.record;
         let next = record.next.map_or(String::new(), |next| format!(" Next: {}.", next.intent()));
@@ -321,7 +321,7 @@ impl<'a> StudyState<'a> {
     }
 }
 
-/// Sentence that names the effects which a study has identified, with the values of its last calibration.
+/// Sentence on the effects that a study has identified, with the values of its last calibration.
 fn identified(added: &[String], parameters: &[ParameterSummary]) -> String {
     let own = |name: &String| {
         let of_effect = parameters.iter().filter(|parameter| parameter.name.starts_with(&format!("{name}.")));

@@ -1,4 +1,4 @@
-//! Records of studies.
+//! Tests of study records.
 
 use super::StudyRecord;
 use lab::CriterionValues;

@@ -1,4 +1,4 @@
-//! Relative residuals of each pass at the tiles of its track, with what each tile went through.
+//! Relative residuals of each pass at the tiles of its track, with the covariates of each tile.
 
 use sdf_bake::HeightMap;
 use sim::Covariates;
@@ -14,7 +14,7 @@ use lab::{
 use trials::measure::despiked;
 use trials::trial::RPM;
 
-/// What is known of a place when it is worked on: name, unit and SI value of one unit.
+/// Covariates of a place while it is worked on: name, unit and SI value of one unit.
 const COVARIATES: [(&str, &str, f64); 18] = [
     ("mean pressure", "MPa", 1e6),
     ("peak pressure", "MPa", 1e6),
@@ -42,7 +42,7 @@ pub fn covariate(at: usize) -> (String, Stated) {
     (name.to_owned(), Stated::new(unit, si))
 }
 
-/// Holds what each place went through against what a model leaves of a split.
+/// Studies the dependence of a split's residuals on the covariates of each place.
 pub fn study(evidence: &ScanEvidence, simulated: &Simulated, split: Split, seed: u64) -> CovariateStudy {
     let fields: Vec<CovariateField> = evidence.of(split).filter_map(|view| field(evidence, simulated, view)).collect();
     let masks = evidence.of(split).any(|view| matches!(view.data, ScanData::Exposure(_)));
@@ -71,10 +71,10 @@ fn field(evidence: &ScanEvidence, simulated: &Simulated, view: &ScanView) -> Opt
     })
 }
 
-/// Tiles, those kept of them, their residuals and the residuals' standard deviations.
+/// Tiles, indices of those kept, their residuals and the residuals' standard deviations.
 type Kept<'a> = (&'a Tiles, Vec<usize>, Vec<f64>, Vec<f64>);
 
-/// A pass, what came before it, and what its places went through.
+/// A pass, the scan before it, and the covariates of its places.
 struct Places<'a> {
     evidence: &'a ScanEvidence<'a>,
     simulated: &'a Simulated,
@@ -97,7 +97,7 @@ impl<'a> Places<'a> {
         self.earlier.and_then(|view| self.simulated.heights(self.evidence, view)).unwrap_or_else(first)
     }
 
-    /// What the pass removed more than in the simulation, as a share of that.
+    /// Relative residual of the removal: measured minus simulated removal of the pass, over the simulated one.
     fn removed(&self, data: &'a HeightView) -> Option<Kept<'a>> {
         let now = Ground::new(self.evidence, self.view, self.simulated)?;
         let earlier = self.earlier.and_then(|view| Ground::new(self.evidence, view, self.simulated));
@@ -117,13 +117,13 @@ impl<'a> Places<'a> {
         Some((&data.tiles, kept, residuals, sigmas))
     }
 
-    /// Whether the simulated tool touched most of a tile.
+    /// Returns true if the simulated tool touched the centre of a tile.
     fn is_known(&self, data: &HeightView, tile: usize) -> bool {
         let place = data.tiles.centres[tile];
         self.covariates.pixels.nearest(place).is_some_and(|at| self.covariates.contact_time[at] > 0.0)
     }
 
-    /// Measured less simulated share of substrate.
+    /// Measured minus simulated share of substrate.
     fn exposed(&self, data: &'a ExposureView) -> Kept<'a> {
         let exposed = self.simulated.exposed(self.view);
         let one = |holds: bool| f64::from(u8::from(holds));
@@ -140,7 +140,7 @@ impl<'a> Places<'a> {
         self.covariates.at(&self.evidence.simulation.trials[self.view.trial].trial.scans.before.pixels, values)
     }
 
-    /// All covariates at all tiles, as [`COVARIATES`] has them; zero where a place was not touched.
+    /// All covariates at all tiles, in the order of [`COVARIATES`]; zero where a place was not touched.
     fn values(&self, tiles: &Tiles) -> Vec<Vec<f64>> {
         let trial = self.evidence.simulation.trials[self.view.trial].trial;
         let pass = &trial.passes[self.view.pass];
@@ -180,8 +180,8 @@ impl<'a> Places<'a> {
         ]
     }
 
-    /// Way along the path when a tile is first touched [m], and the volume that the tool has removed since it was fresh
-    /// [m³].
+    /// Position along the path at which a tile is first touched [m], and the volume that the tool has removed since it
+    /// was fresh [m³].
     fn way_and_volume(&self, tiles: &Tiles, feed: f64) -> (Vec<f64>, Vec<f64>) {
         let touched = &self.covariates.first_contact;
         let known = touched.iter().copied().filter(|time| time.is_finite());
@@ -209,7 +209,7 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Slope of a map towards the pixel `step` further on [1].
+/// Slope of a map towards the pixel that is `step` indices further [1].
 fn slope(map: &HeightMap, at: usize, step: usize) -> f64 {
     match (at.checked_sub(step), map.heights.get(at + step)) {
         (Some(low), Some(high)) => (high - map.heights[low]) / (2.0 * map.pixels.pitch),

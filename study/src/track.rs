@@ -1,4 +1,4 @@
-//! What a pass did in its track, measured and simulated: volume, plateau, exposed area.
+//! Measured and simulated result of a pass in its track: volume, plateau, exposed area.
 
 use sdf_bake::{HeightMap, PixelGrid};
 
@@ -44,18 +44,18 @@ pub struct ExposureFigures {
     pub overlap: f64,
 }
 
-/// One scan of a ground surface against one model.
+/// One scan of a ground surface compared with one model.
 pub struct Ground<'a> {
     data: &'a HeightView,
     /// The simulated surface as the instrument sees it.
     pub seen: HeightMap,
-    /// Measured minus simulated, with height and tilt of the scan as the untouched surface says, and the shift that fits
-    /// best [m]; NaN where it is not known.
+    /// Measured minus simulated height, with height and tilt of the scan from the untouched surface, and the
+    /// best-fitting shift [m]; NaN where it is not known.
     pub left: Vec<f64>,
 }
 
 impl<'a> Ground<'a> {
-    /// `None` when sanding.
+    /// Compares a scan with a simulation; `None` when sanding.
     pub fn new(evidence: &ScanEvidence, view: &'a ScanView, simulated: &Simulated) -> Option<Self> {
         let ScanData::Heights(data) = &view.data else { return None };
         let seen = simulated.heights(evidence, view)?;
@@ -63,13 +63,13 @@ impl<'a> Ground<'a> {
         Some(Self { data, seen, left })
     }
 
-    /// The same simulation against other measured heights, whose pose stays as it is.
+    /// The same simulation compared with other measured heights, without registration.
     pub fn against(&self, measured: &HeightMap) -> Self {
         let left = measured.heights.iter().zip(&self.seen.heights).map(|(measured, seen)| measured - seen).collect();
         Self { data: self.data, seen: self.seen.clone(), left }
     }
 
-    /// Root mean square of what is left near the tool [m].
+    /// Root mean square residual near the tool [m].
     pub fn rms(&self) -> f64 {
         let left = self.data.tiles.pixels().map(|(_, at)| self.left[at]).filter(|left| left.is_finite());
         let (sum, count) = left.fold((0.0, 0.0), |(sum, count), left| (sum + left * left, count + 1.0));
@@ -86,8 +86,8 @@ impl<'a> Ground<'a> {
         before.heights.iter().zip(&self.seen.heights).map(|(before, after)| before - after).collect()
     }
 
-    /// Volume removed since the scan before the first pass, under rims, too: which tiles are rims depends on the model. They
-    /// are as uncertain as the others.
+    /// Volume removed since the scan before the first pass, including rims: which tiles are rims depends on the model.
+    /// Their uncertainty is taken to be that of the others.
     pub fn volume(&self, before: &HeightMap) -> Volume {
         let area = self.seen.pixels.pitch.powi(2);
         let removed = self.removed(before);
@@ -102,7 +102,7 @@ impl<'a> Ground<'a> {
         Volume { measured: simulated - sum(&self.left), uncertainty, simulated }
     }
 
-    /// Mean depth that was measured since the scan before the first pass, near the tool [m].
+    /// Mean measured depth since the scan before the first pass, near the tool [m].
     fn depth(&self, before: &HeightMap) -> f64 {
         let known = |at: &usize| (self.left[*at] + before.heights[*at]).is_finite();
         let count = self.data.tiles.pixels().filter(|(_, at)| known(at)).count();
@@ -115,7 +115,7 @@ impl<'a> Ground<'a> {
         plateau_pixels(self.seen.pixels, &self.removed(before), PLATEAU_REMOVAL_SIGMAS * noise, across)
     }
 
-    /// Height and slope of a plateau, or of a section of one; `None` where too little of it is known.
+    /// Height and slope of a plateau, or of a section of one; `None` if too little of it is known.
     pub fn figures(&self, plateau: &Plateau) -> Option<PlateauFigures> {
         let knows = |at: usize| self.left[at].is_finite();
         let (mean, slope) = (plateau.mean_weights(knows), plateau.slope_weights(knows));
@@ -130,7 +130,7 @@ impl<'a> Ground<'a> {
         (found.height_error.is_finite() && found.slopes[0].is_finite()).then_some(found)
     }
 
-    /// Standard deviation that noise and pose give to a weighted sum over pixels.
+    /// Standard deviation of a weighted sum over pixels, from noise and pose.
     fn sigma(&self, weights: &[(usize, f64)]) -> f64 {
         let mut of_pixel = vec![0.0; self.left.len()];
         weights.iter().for_each(|&(at, weight)| of_pixel[at] = weight);
@@ -140,8 +140,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Greatest of the mean depths that were measured after the passes of a split [m]; infinite when sanding, where scans show no
-/// depth.
+/// Largest mean measured depth after the passes of a split [m]; infinite when sanding, where scans show no depth.
 pub fn deepest(evidence: &ScanEvidence, simulated: &Simulated, split: Split) -> f64 {
     let depth = |view: &ScanView| {
         let before = &evidence.simulation.trials[view.trial].trial.scans.before;
@@ -150,7 +149,7 @@ pub fn deepest(evidence: &ScanEvidence, simulated: &Simulated, split: Split) -> 
     evidence.of(split).filter_map(depth).reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
-/// The pixels of a section.
+/// Pixels of a section.
 pub fn line_of(pixels: PixelGrid, line: Direction) -> Vec<usize> {
     let nearest = |place: f64, start: f64, count: usize| {
         (((place - start) / pixels.pitch).round().max(0.0) as usize).min(count - 1)
@@ -180,8 +179,8 @@ pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigure
     })
 }
 
-/// How a scan lay on the scan before the first pass, on the surface that no tool had touched; `None` when sanding, or
-/// where too little was left alone.
+/// Registration of a scan on the scan before the first pass, over the untouched surface, and its levelled heights;
+/// `None` when sanding, or if too little is untouched.
 pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registration, HeightMap)> {
     let trial = evidence.simulation.trials[view.trial].trial;
     let ScanData::Heights(data) = &view.data else { return None };

@@ -1,6 +1,6 @@
-//! Units as people read them.
+//! Units for display.
 
-/// A text in which the powers of units, such as `mm^3`, are raised as the page writes them: `mm³`.
+/// Returns a text with the powers of units, such as `mm^3`, as superscripts: `mm³`.
 pub fn with_raised_powers(text: &str) -> String {
     let mut parts = text.split('^');
     let mut raised = parts.next().unwrap_or_default().to_owned();
@@ -17,7 +17,7 @@ pub fn with_raised_powers(text: &str) -> String {
     raised
 }
 
-/// An integer in raised digits.
+/// Returns an integer in superscript digits.
 pub fn superscript(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',

@@ -1,4 +1,4 @@
-//! How the error of scans falls: as they were read, laid on the untouched surface, with each model, down to the floor.
+//! Waterfall of the error of scans: as read, registered on the untouched surface, with each model, and the noise floor.
 
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
@@ -10,20 +10,20 @@ use lab::Simulated;
 use lab::{ScanData, ScanEvidence, ScanView, Split};
 use trials::measure::Registration;
 
-/// How measured heights lie on the simulated ones.
+/// Registration of measured heights on the simulated ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pose {
-    /// As in the file.
+    /// None: as in the file.
     AsRead,
-    /// As on the scan before, where no tool came.
+    /// On the scan before, over the untouched surface.
     Registered,
-    /// Height and tilt as on the scan before, where no tool came, and the shift that fits best.
+    /// Height and tilt from the untouched surface, and the best-fitting shift.
     Held,
 }
 
 /// A model in the waterfall.
 pub struct Step<'a> {
-    /// Such as `base model` or `+ grit-dulling`.
+    /// Name, such as `base model` or `+ grit-dulling`.
     pub name: String,
     /// Its passes.
     pub simulated: &'a Simulated,
@@ -33,21 +33,21 @@ pub struct Step<'a> {
 pub struct Scans<'a> {
     /// The scans.
     pub evidence: &'a ScanEvidence<'a>,
-    /// Whether the errors of models are told with the poses that fit them best, as a diagnosis does.
+    /// True if the errors of models use the best-fitting poses, as a diagnosis does.
     free: bool,
-    /// How each lay on the scan before, and its levelled heights.
+    /// Registration of each scan on the scan before the first pass, and its levelled heights.
     alignments: Vec<Option<(Registration, HeightMap)>>,
 }
 
 impl<'a> Scans<'a> {
-    /// Lays every scan on the untouched surface.
+    /// Registers every scan on the untouched surface.
     ///
-    /// - `free`: tell the errors of models with the poses that fit them best, as a diagnosis does
+    /// - `free`: true to compute the errors of models at the best-fitting poses, as a diagnosis does
     pub fn new(evidence: &'a ScanEvidence<'a>, free: bool) -> Self {
         Self { evidence, free, alignments: evidence.views.par_iter().map(|view| alignment(evidence, view)).collect() }
     }
 
-    /// How a scan lay on the scan before the first pass.
+    /// Registration of a scan on the scan before the first pass.
     pub fn alignment(&self, view: &ScanView) -> Option<Registration> {
         Some(self.of(view)?.0)
     }
@@ -67,8 +67,8 @@ impl<'a> Scans<'a> {
         }
     }
 
-    /// The waterfall from `start`, which is shown as read and as registered, over the models to the floor. Shares are
-    /// those of the first model's excess over the floor.
+    /// The waterfall from `start`, which is shown as read and as registered, over the models to the floor. Shares refer
+    /// to the first model's excess over the floor.
     pub fn waterfall(&self, start: &Simulated, models: &[Step]) -> Waterfall {
         let views = &self.evidence.views;
         let ground = views.iter().any(|view| matches!(view.data, ScanData::Heights(_)));
@@ -131,7 +131,7 @@ impl<'a> Scans<'a> {
         }
     }
 
-    /// What noise alone leaves of each figure.
+    /// Noise floor of each figure.
     fn floor(&self, simulated: &Simulated) -> WaterfallStep {
         let views = &self.evidence.views;
         let misfit = |view: &ScanView| match &view.data {

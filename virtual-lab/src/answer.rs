@@ -1,4 +1,4 @@
-//! What was hidden: the true law, the true effects, and what they truly did.
+//! Answer to a virtual experiment: the true law, the hidden effects, and the true results.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ pub const ANSWER_FORMAT: &str = "robofin-answer/1";
 /// A parameter with one value, or one for each pass or scan of the campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
-    /// Values in `unit`; those that JSON has no number for as text.
+    /// Values in `unit`, as text because JSON cannot hold all of them.
     pub values: Vec<String>,
     /// Unit.
     pub unit: String,
@@ -22,13 +22,13 @@ pub struct Quantity {
 pub struct HiddenEffect {
     /// Its name.
     pub name: String,
-    /// Whether the built-in library has it, so that a diagnosis could name it.
+    /// True if the built-in library contains it, so that a diagnosis could name it.
     pub in_library: bool,
     /// Its parameters by name.
     pub parameters: BTreeMap<String, Quantity>,
 }
 
-/// What truly happened in a trial.
+/// True results of a trial.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrueTrial {
     /// Volume that Eq. (1) removes in each pass [mm³]; empty when sanding. Older answers call it `removed_mm3`.
@@ -50,16 +50,16 @@ pub struct Answer {
     pub seed: u64,
     /// The base law by `law.parameter`.
     pub base: BTreeMap<String, Quantity>,
-    /// The hidden effects in the order in which they act; none: nothing is missing.
+    /// The hidden effects in the order in which they act; empty if nothing is missing.
     pub effects: Vec<HiddenEffect>,
     /// The true model as the text of a model file.
     pub model: String,
-    /// What happened, by trial.
+    /// True results, by trial.
     pub trials: BTreeMap<String, TrueTrial>,
 }
 
 impl Answer {
-    /// The answer that a true model gives.
+    /// The answer for a true model.
     pub(super) fn of(model: &CompiledModel, seed: u64, trials: BTreeMap<String, TrueTrial>) -> Self {
         let laws = model.parameters().iter().filter(|slot| slot.is_law);
         let base = laws.map(|slot| (format!("{}.{}", slot.owner, slot.parameter), quantity(model, slot))).collect();
@@ -97,12 +97,12 @@ fn quantity(model: &CompiledModel, slot: &ParameterSlot) -> Quantity {
     Quantity { values, unit: slot.unit_text.clone() }
 }
 
-/// To twelve digits: what remains of a value that went through SI units and back.
+/// Rounds to twelve digits, which survive the conversion to SI units and back.
 fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// A model file with every parameter.
+/// Text of a model file with every parameter.
 fn model_text(model: &CompiledModel) -> String {
     let mut text = format!("process = \"{}\"\n", model.process().name());
     let mut section = String::new();

@@ -1,4 +1,4 @@
-//! Faults of the scanner: effects at the hook `height`, on the true surface before any noise.
+//! Faults of the scanner: effects at the hook `height`, applied to the true surface before any noise.
 
 use effects::{CompiledModel, Hook, Lanes, RunError, States, StepValues, Variable};
 use sdf_bake::channels::Scalar;
@@ -8,27 +8,27 @@ use sim::Profilometer;
 use super::surface::Workpiece;
 use random::Stream;
 
-/// The scanner's formulas at a scan.
+/// The scanner's formulas for one scan.
 pub(super) struct Fault<'a> {
     /// The true model.
     pub(super) model: &'a CompiledModel,
     /// Number of the pass in its trial, from 1.
     pub(super) pass: usize,
-    /// Row of parameters per scan, from 0.
+    /// Row of the parameters per scan, from 0.
     pub(super) row: usize,
     /// The workpiece before it was ground.
     pub(super) piece: &'a Workpiece,
-    /// Of grinding marks.
+    /// Random stream of the grinding marks.
     pub(super) marks: Stream,
 }
 
 impl Fault<'_> {
-    /// Heights [m] that the scanner reports of `map`.
+    /// Heights [m] that the scanner reports for `map`.
     ///
-    /// - `placed`: where the pixels really are
+    /// - `placed`: true positions of the pixels
     ///
     /// # Errors
-    /// A formula that gives no finite number.
+    /// If a formula gives no finite number.
     pub(super) fn of(&self, map: &HeightMap, part: &BrickGrid, placed: PixelGrid) -> Result<Vec<f64>, RunError> {
         if !self.model.has(Hook::Height) {
             return Ok(map.heights.clone());
@@ -50,7 +50,7 @@ impl Fault<'_> {
     }
 }
 
-/// Values of a variable at the pixels; `None` for one that has a value per step.
+/// Values of a variable at the pixels; `None` for a variable with one value per step.
 fn lane(variable: Variable, map: &HeightMap, part: &BrickGrid, placed: PixelGrid) -> Option<Vec<f64>> {
     let PixelGrid { pitch, nx, ny, .. } = map.pixels;
     let place = |k: usize| map.pixels.position(k % nx, k / nx);

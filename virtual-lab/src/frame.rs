@@ -1,4 +1,4 @@
-//! The robot's frame: where its log puts a place of the scans' frame.
+//! The robot's frame: converts places in the scans' frame to logged places.
 
 use std::f64::consts::TAU;
 
@@ -7,11 +7,11 @@ use glam::DVec2;
 use super::robot::Robot;
 use random::Stream;
 
-/// Shift and turn of the robot's frame relative to that of the scans.
+/// Shift and rotation of the robot's frame relative to that of the scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     shift: DVec2,
-    /// Cosine and sine.
+    /// Cosine and sine of the rotation.
     turn: DVec2,
     centre: DVec2,
 }
@@ -19,7 +19,7 @@ pub(super) struct Frame {
 impl Frame {
     /// The frame of a campaign's robot.
     ///
-    /// - `centre`: about which it is turned [m]
+    /// - `centre`: centre of the rotation [m]
     pub(super) fn of(robot: &Robot, seed: u64, centre: DVec2) -> Self {
         let mut stream = Stream::of(seed, "frame");
         let shift = robot.frame_shift * DVec2::from_angle(stream.between([0.0, TAU]));
@@ -27,10 +27,10 @@ impl Frame {
         Self { shift, turn: DVec2::from_angle(sense * robot.frame_turn), centre }
     }
 
-    /// Where the log puts a place [m].
+    /// Logged position of a place [m].
     pub(super) fn logged(&self, place: DVec2) -> DVec2 {
         let arm = place - self.centre;
-        // A frame that is not off leaves every bit.
+        // A frame without offset leaves every bit unchanged.
         place + (self.turn.rotate(arm) - arm) + self.shift
     }
 }

@@ -1,39 +1,39 @@
-//! Front ends: what may be wrong with scanner, robot and tool besides what is hidden.
+//! Front ends: errors of scanner, robot and tool in addition to the hidden effects.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Experiment, Instrument, Robot};
 use trials::trial::ForceInput;
 
-/// Errors of scanner, robot and tool besides the hidden effects.
+/// Errors of scanner, robot and tool in addition to the hidden effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrontEnd {
-    /// A careful laboratory.
+    /// Small errors, as in a careful laboratory.
     #[default]
     Clean,
-    /// More of every error of scanner and robot.
+    /// Larger errors of scanner and robot.
     Hard,
-    /// The robot's frame is off that of the scans by 0.5 mm and turned by 2 mrad.
+    /// The robot's frame is shifted by 0.5 mm and turned by 2 mrad against that of the scans.
     Frame,
-    /// The logged places are 80 ms older than the forces beside them.
+    /// The logged places are 80 ms older than the forces in the same row.
     Clock,
-    /// The force swings by 10 % about its mean.
+    /// The force oscillates by 10 % about its mean.
     Ripple,
-    /// Surfaces have a texture that no two scans share: grinding marks of 4 µm, coatings like orange peel.
+    /// Surfaces have a texture that differs from scan to scan: grinding marks of 4 µm, coatings like orange peel.
     Texture,
-    /// The tool did two passes on another workpiece before each trial, and counts as fresh.
+    /// The tool made two passes on another workpiece before each trial, and counts as fresh.
     Worn,
     /// No surface is scanned twice.
     Once,
-    /// The force swings by 10 % about its mean, and the trials say that the logged force leads.
+    /// The force oscillates by 10 % about its mean, and the trials state that the logged force is followed.
     Logged,
-    /// A workshop: frame, clock, ripple and worn tool at once.
+    /// A workshop: errors of frame and clock, ripple and worn tool together.
     Shop,
 }
 
 impl FrontEnd {
-    /// All of them.
+    /// All front ends.
     pub const ALL: [Self; 10] = [
         Self::Clean,
         Self::Hard,
@@ -47,7 +47,7 @@ impl FrontEnd {
         Self::Shop,
     ];
 
-    /// In files and tables.
+    /// Word in files and tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Clean => "clean",
@@ -79,7 +79,7 @@ impl FrontEnd {
         }
     }
 
-    /// The scanner.
+    /// Errors of the scanner.
     pub fn instrument(self) -> Instrument {
         match self {
             Self::Hard => Instrument::hard(),
@@ -88,7 +88,7 @@ impl FrontEnd {
         }
     }
 
-    /// The robot.
+    /// Errors of the robot.
     pub fn robot(self) -> Robot {
         let clean = Robot::clean();
         match self {
@@ -101,14 +101,14 @@ impl FrontEnd {
         }
     }
 
-    /// Passes that the tool did before each trial.
+    /// Number of passes of the tool before each trial.
     pub fn earlier_passes(self) -> usize {
         if matches!(self, Self::Worn | Self::Shop) { 2 } else { 0 }
     }
 }
 
 impl Experiment {
-    /// The same experiment with other measurements.
+    /// The same experiment with another front end.
     #[must_use]
     pub fn behind(self, front: FrontEnd) -> Self {
         let (instrument, robot, earlier_passes) = (front.instrument(), front.robot(), front.earlier_passes());

@@ -1,4 +1,4 @@
-//! What is hidden: base laws drawn from their priors, and effects of the user's choice or drawn.
+//! Hidden model: base laws drawn from their priors, and effects that the user chooses or that are drawn.
 
 use effects::{CompiledModel, Effect, Library, Model, ModelError, Parameter, Problem, Process, RowCounts, Rows, Scale};
 
@@ -7,7 +7,8 @@ use super::plan::Size;
 use super::ripple;
 use random::Stream;
 
-/// Priors of the base laws: law, parameter, least and greatest value [SI]. They keep two passes from grinding a bead away.
+/// Priors of the base laws: law, parameter, least and greatest value [SI]. They prevent two passes from grinding a bead
+/// away.
 const GRINDING_PRIOR: [(&str, &str, [f64; 2]); 3] = [
     ("winkler", "stiffness", [15e9, 40e9]),
     ("preston-threshold", "grind_rate", [0.8e-9, 1.6e-9]),
@@ -16,8 +17,8 @@ const GRINDING_PRIOR: [(&str, &str, [f64; 2]); 3] = [
 const SANDING_PRIOR: [(&str, &str, [f64; 2]); 2] =
     [("winkler", "stiffness", [8e6, 16e6]), ("preston-sanding", "sanding_rate", [16e-6, 32e-6])];
 
-/// Sizes that show where an effect's typical value is too small for a campaign of a few passes: effect, parameter, value
-/// when grinding and when sanding, in the parameter's unit. Signed ones are drawn with either sign.
+/// Visible values of parameters whose typical value is too small to show in a campaign of a few passes: effect,
+/// parameter, value when grinding and when sanding, in the parameter's unit. Signed ones are drawn with either sign.
 const VISIBLE: &[(&str, &str, f64, f64)] = &[
     ("break-in", "excess", 0.7, 0.7),
     ("break-in", "distance", 120.0, 30.0),
@@ -66,7 +67,7 @@ const VISIBLE: &[(&str, &str, f64, f64)] = &[
     ("wheel-crown", "crown", 12.0, 12.0),
 ];
 
-/// The same for memories whose size goes with what a campaign removes: small, then full.
+/// The same for effects with memory, whose visible value depends on the removed amount: for small and full size.
 const VISIBLE_BY_SIZE: &[(&str, &str, f64, f64)] = &[
     ("grit-dulling", "dulling_volume", 100.0, 300.0),
     ("pad-loading", "loading_volume", 60.0, 250.0),
@@ -75,13 +76,13 @@ const VISIBLE_BY_SIZE: &[(&str, &str, f64, f64)] = &[
     ("grit-loss", "spacing", 25.0, 90.0),
 ];
 
-/// How far a drawn size is from the visible one.
+/// Range of the ratio of a drawn to the visible size.
 const SIZE_RATIO: [f64; 2] = [0.7, 1.4];
-/// Shares of drawn experiments in which nothing is hidden, and in which the effect is not of the library.
+/// Shares of drawn experiments in which nothing is hidden, and in which the effect is not in the library.
 const NOTHING: f64 = 0.15;
 const OUTSIDE: f64 = 0.15;
 
-/// An effect to hide, with the parameters that are not left to the laboratory.
+/// An effect to hide, with the parameters that the caller sets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hidden {
     /// Name of the effect.
@@ -96,14 +97,14 @@ impl Hidden {
         Self { name: name.to_owned(), values: Vec::new() }
     }
 
-    /// The same with a parameter's value.
+    /// Sets a parameter's value.
     #[must_use]
     pub fn with(mut self, parameter: &str, value: &str) -> Self {
         self.values.push((parameter.to_owned(), value.to_owned()));
         self
     }
 
-    /// Reads `NAME` or `NAME:parameter=value,parameter=value`. Returns what was found where it is neither.
+    /// Parses `NAME` or `NAME:parameter=value,parameter=value`.
     ///
     /// # Errors
     /// The part that is no `parameter=value`.
@@ -120,18 +121,18 @@ impl Hidden {
     }
 }
 
-/// Which effects an experiment hides.
+/// Choice of the effects that an experiment hides.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Choice {
-    /// These; none for nothing.
+    /// These effects; none if empty.
     These(Vec<Hidden>),
-    /// Nothing, one effect of the library, or one that it lacks, with a size near the visible one: drawn.
+    /// Drawn: nothing, one effect of the library, or one outside it, with a size near the visible one.
     Drawn,
 }
 
 /// The true model of an experiment.
 ///
-/// - `ripple`: swing of the force that no effect of the library makes [1]
+/// - `ripple`: relative standard deviation of a force ripple that no effect of the library describes [1]
 pub(super) fn true_model(
     (process, size, rows): (Process, Size, RowCounts),
     choice: &Choice,
@@ -170,7 +171,7 @@ pub(super) fn true_model(
     Ok(CompiledModel::new(&model, &library, rows)?)
 }
 
-/// Refuses a value that the parameter cannot have.
+/// Refuses a value outside the parameter's range.
 fn refuse_out_of_range(
     effect: &Effect,
     parameter: &Parameter,
@@ -186,7 +187,7 @@ fn refuse_out_of_range(
     Err(ModelError::BadValue { owner: effect.name.clone(), name: parameter.name.clone(), problem })
 }
 
-/// A model with one effect and the values stated for it.
+/// A model with one effect and its stated values.
 fn stated(hidden: &Hidden, process: Process, library: &Library) -> Result<Model, ModelError> {
     let mut text = format!("process = \"{}\"\n[effect.\"{}\"]\n", process.name(), hidden.name);
     for (parameter, value) in &hidden.values {
@@ -194,7 +195,7 @@ fn stated(hidden: &Hidden, process: Process, library: &Library) -> Result<Model,
         text += &if plain { format!("{parameter} = {value}\n") } else { format!("{parameter} = \"{value}\"\n") };
     }
     if library.find(&hidden.name).is_none() {
-        // The model's own word for an unknown name lists those that act in the process.
+        // The model's own error for an unknown name lists the effects that act in the process.
         Model { effects: Model::new(process).with(&hidden.name).effects, ..Model::new(process) }
             .resolve_effects(library)?;
     }
@@ -203,8 +204,8 @@ fn stated(hidden: &Hidden, process: Process, library: &Library) -> Result<Model,
     Ok(model)
 }
 
-/// Values of a parameter [SI]: as given, else visible ones. Of a parameter per pass or scan the size is the standard deviation of
-/// its rows.
+/// Values of a parameter [SI]: as given, else visible ones. For a parameter per pass or scan the size is the standard
+/// deviation of its rows.
 fn values(
     (effect, parameter): (&Effect, &Parameter),
     given: &[f64],
@@ -228,8 +229,8 @@ fn values(
     (0..count).map(|_| rounded((value * stream.normal()).clamp(range[0], range[1]))).collect()
 }
 
-/// Value of an effect's parameter at which a campaign of this size shows the effect [SI]: the laboratory's default for
-/// an effect that it hides.
+/// Value of an effect's parameter at which the effect is visible in a campaign of this size [SI]: the laboratory's
+/// default for a hidden effect.
 pub fn visible_value(effect: &str, parameter: &Parameter, process: Process, size: Size) -> f64 {
     let find = |table: &[(&str, &str, f64, f64)]| {
         table.iter().find(|row| row.0 == effect && row.1 == parameter.name).map(|row| (row.2, row.3))
@@ -242,7 +243,7 @@ pub fn visible_value(effect: &str, parameter: &Parameter, process: Process, size
     by_process.or(by_size).map_or_else(|| parameter.default.of(process), |value| parameter.unit.to_si(value))
 }
 
-/// Nothing, an effect of the library, or one outside.
+/// Draws nothing, an effect of the library, or one outside it.
 fn draw(process: Process, library: &Library, stream: &mut Stream) -> Vec<Hidden> {
     if stream.happens(NOTHING) {
         return Vec::new();
@@ -254,7 +255,7 @@ fn draw(process: Process, library: &Library, stream: &mut Stream) -> Vec<Hidden>
     vec![Hidden::effect(&known[stream.below(known.len())].name)]
 }
 
-/// To four digits, as people write values down.
+/// Rounds to four digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

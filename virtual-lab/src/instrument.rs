@@ -1,7 +1,8 @@
-//! The virtual scanner: what it makes of a true surface.
+//! The virtual scanner: scans of a true surface.
 //!
-//! `scan = quantised(faults(blurred(truth(p - shift)) + marks) + white + correlated + piston + tilt · (p - centre))`, then holes,
-//! an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan as well.
+//! `scan = quantised(faults(blurred(truth(p - shift)) + marks) + white + correlated + piston + tilt · (p - centre))`,
+//! then holes, an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan
+//! included.
 
 use effects::RunError;
 use glam::DVec2;
@@ -13,9 +14,9 @@ use super::noise::{correlated, streaked};
 use random::Stream;
 use trials::trial::ExposureMask;
 
-/// Length of grinding marks along the way and their width across [m].
+/// Correlation lengths of grinding marks along and across the path [m].
 const MARK_LENGTHS: [f64; 2] = [4e-3, 0.4e-3];
-/// Removed depth from which a place was ground and has marks, beyond what lattice and tilt of a scan make [m].
+/// Removed depth above which a place counts as ground and has marks; more than lattice and tilt of a scan cause [m].
 const MARKED_DEPTH: f64 = 5e-6;
 
 /// Sizes of the scanner's errors.
@@ -25,9 +26,9 @@ pub struct Instrument {
     pub blur: f64,
     /// Step of the heights [m].
     pub quantum: f64,
-    /// Noise that differs from pixel to pixel [m].
+    /// Noise that is independent between pixels, standard deviation [m].
     pub white: f64,
-    /// Noise that neighbours share [m].
+    /// Noise that is correlated between pixels, standard deviation [m].
     pub correlated: f64,
     /// Distance at which its correlation has fallen to 1/e [m].
     pub correlation_length: f64,
@@ -37,11 +38,11 @@ pub struct Instrument {
     pub tilt: f64,
     /// Lateral shift of a scan along x and y, standard deviation [m].
     pub shift: f64,
-    /// Least and greatest share of pixels that a scan lacks in holes.
+    /// Least and greatest share of pixels that are missing in holes.
     pub holes: [f64; 2],
     /// Greatest radius of a hole [m].
     pub hole_radius: f64,
-    /// Empty pixels along the border of a height map.
+    /// Width of the empty rim of a height map [pixels].
     pub rim: usize,
     /// Share of pixels that are spikes.
     pub spikes: f64,
@@ -49,11 +50,12 @@ pub struct Instrument {
     pub spike_height: [f64; 2],
     /// Blur of the exposed border, standard deviation [m]; sanding only.
     pub border_blur: f64,
-    /// Noise of the dose at the exposed border, shared over `correlation_length` [1]; sanding only.
+    /// Noise of the dose at the exposed border, correlated over `correlation_length` [1]; sanding only.
     pub border_noise: f64,
-    /// Dose around the threshold where the optics cannot tell [1]; sanding only.
+    /// Half width of the dose interval around the threshold in which the optics are undecided [1]; sanding only.
     pub undecided: f64,
-    /// Grinding marks where a tool was, along the way and new after each pass, root mean square [m]; grinding only.
+    /// Grinding marks along the path in the tool's track, drawn again after each pass, root mean square [m]; grinding
+    /// only.
     pub marks: f64,
 }
 
@@ -81,7 +83,7 @@ impl Instrument {
         }
     }
 
-    /// Shiny surfaces, re-fixtured after every pass: more of every error (benchmark family N1).
+    /// Shiny surfaces, re-fixtured after every pass: larger errors of every kind (benchmark family N1).
     pub fn hard() -> Self {
         Self {
             blur: 80e-6,
@@ -107,14 +109,14 @@ impl Instrument {
 
     /// Root mean square of one scan's noise without spikes [m].
     pub fn noise(&self) -> f64 {
-        // A rounded height is off by a twelfth of the step's square.
+        // The variance of rounding is a twelfth of the squared step.
         (self.white.powi(2) + self.correlated.powi(2) + self.quantum.powi(2) / 12.0).sqrt()
     }
 
-    /// A scan of the heights of a part.
+    /// Scans the heights of a part.
     ///
     /// # Errors
-    /// A formula of the fault that gives no finite number.
+    /// If a formula of the fault gives no finite number.
     pub(super) fn heights(
         &self,
         part: &BrickGrid,
@@ -134,9 +136,9 @@ impl Instrument {
         Ok(map)
     }
 
-    /// A mask of the exposed substrate.
+    /// Scans a mask of the exposed substrate.
     ///
-    /// - `threshold`: dose from which on the substrate is called exposed
+    /// - `threshold`: dose from which the substrate counts as exposed
     pub(super) fn mask(
         &self,
         part: &BrickGrid,
@@ -174,9 +176,9 @@ impl Instrument {
         }
     }
 
-    /// Adds the marks of the last pass where the tool was.
+    /// Adds the marks of the last pass in the tool's track.
     ///
-    /// - `placed`: where the pixels really are
+    /// - `placed`: true positions of the pixels
     fn mark(&self, map: &mut HeightMap, placed: PixelGrid, fault: &mut Fault) {
         if self.marks == 0.0 {
             return;
@@ -191,7 +193,7 @@ impl Instrument {
         }
     }
 
-    /// Takes out holes and the rim, puts in spikes.
+    /// Removes the pixels of holes and rim, and adds spikes.
     fn drop(&self, map: &mut HeightMap, stream: &mut Stream) {
         let PixelGrid { nx, ny, .. } = map.pixels;
         let holes = self.holes(&map.pixels, stream);
@@ -208,7 +210,7 @@ impl Instrument {
         }
     }
 
-    /// Which pixels lie in holes: discs of random size until their share is reached.
+    /// Draws holes, discs of random size, until their share is reached; true for each pixel in a hole.
     fn holes(&self, pixels: &PixelGrid, stream: &mut Stream) -> Vec<bool> {
         let PixelGrid { pitch, nx, ny, .. } = *pixels;
         let goal = (stream.between(self.holes) * pixels.len() as f64) as usize;
@@ -216,7 +218,7 @@ impl Instrument {
         let mut count = 0;
         while count < goal {
             let centre = DVec2::new(stream.between([0.0, nx as f64]), stream.between([0.0, ny as f64]));
-            // Small holes are the most frequent ones.
+            // Small holes are the most frequent.
             let radius = stream.ratio_between([0.5 * pitch, self.hole_radius.max(pitch)]) / pitch;
             let low = (centre - radius).max(DVec2::ZERO).ceil();
             let high = (centre + radius).min(DVec2::new(nx as f64 - 1.0, ny as f64 - 1.0));

@@ -1,16 +1,18 @@
 //! The virtual laboratory: trials with synthetic measurements in which effects are hidden, and the answer.
 //!
-//! An [`Experiment`] says what is made; [`Experiment::make`] makes it:
+//! An [`Experiment`] holds the options; [`Experiment::make`] makes the trials:
 //!
-//! 1. `hidden` draws the base law from its prior and adds the effects of the [`Choice`], from the library or [`outside`] it.
-//! 2. `surface` draws each workpiece, a formula; `truth` lays it on a lattice finer than the scan and not aligned to its
-//!    pixels.
-//! 3. `plan` and `motion` say how the passes are run; `truth` runs them with half the usual steps, at the controller's own
+//! 1. `hidden` draws the base law from its prior and adds the effects of the [`Choice`], from the library or
+//!    [`outside`] it.
+//! 2. `surface` draws each workpiece, a formula; `truth` samples it on a lattice finer than the scan and not aligned to
+//!    its pixels.
+//! 3. `plan` and `motion` define the passes; `truth` runs them with half the usual steps, at the controller's own
 //!    period.
-//! 4. [`Instrument`] scans the part, [`Robot`] logs what it believes.
-//! 5. [`Answer`] tells all of it, open or behind a [`Seal`]; [`write`](write::write) writes the campaign.
+//! 4. [`Instrument`] scans the part, [`Robot`] writes its log with errors.
+//! 5. [`Answer`] holds the hidden model and true results, open or behind a [`Seal`]; [`write`](write::write) writes the
+//!    campaign.
 //!
-//! The measurements never come from the model that is fitted to them: other lattice, steps, path and surface. The same
+//! The measurements never come from the model that is fitted to them: lattice, steps, path and surface differ. The same
 //! seed gives the same bytes on any number of threads.
 
 mod answer;
@@ -55,44 +57,44 @@ pub use truth_error::TruthError;
 /// A virtual experiment.
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    /// What the tool does.
+    /// The process: grinding or sanding.
     pub process: Process,
-    /// How the passes differ.
+    /// Plan of the passes: settings that differ between them.
     pub plan: Plan,
     /// Number of trials.
     pub trials: usize,
-    /// How large workpieces and scans are.
+    /// Size of workpieces and scans.
     pub size: Size,
-    /// Which effects are hidden.
+    /// Choice of the hidden effects.
     pub choice: Choice,
-    /// The scanner.
+    /// Errors of the scanner.
     pub instrument: Instrument,
-    /// The robot.
+    /// Errors of the robot.
     pub robot: Robot,
-    /// Passes that the tool did on another workpiece before each trial; the trial counts it as fresh.
+    /// Number of passes of the tool on another workpiece before each trial; the trial counts the tool as fresh.
     pub earlier_passes: usize,
-    /// Repeated scans of each workpiece before its first pass.
+    /// Number of repeated scans of each workpiece before its first pass.
     pub repeats: usize,
     /// Force that the controller holds, as the trials state it.
     pub force_input: ForceInput,
-    /// Trials that follow those of the plan, each on a workpiece of its own: as they were planned, stage by stage.
+    /// Planned trials that follow those of the plan, each on its own workpiece, as a list of stages.
     pub then: Vec<Vec<Trial>>,
-    /// Laws and effects that are known to the laboratory.
+    /// Laws and effects that the laboratory knows.
     pub library: Library,
-    /// Same seed, same bytes.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// What an experiment gives.
+/// Result of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Made {
-    /// The trials as they would be read from their folders.
+    /// The trials in the form in which they are read from their folders.
     pub trials: Vec<Trial>,
-    /// What was hidden.
+    /// The hidden model and the true results.
     pub answer: Answer,
 }
 
-/// Why an experiment cannot be made.
+/// Reason for which an experiment cannot be made.
 #[derive(Debug, Error)]
 pub enum MakeError {
     /// The effects do not fit the process or the library.
@@ -101,16 +103,17 @@ pub enum MakeError {
     /// An effect of the robot cannot be added to the library.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// What happens in a trial.
+    /// A trial failed.
     #[error(transparent)]
     Truth(#[from] TruthError),
 }
 
 impl Experiment {
-    /// A varied, clean experiment of full size with nothing hidden, whose laboratory knows the effects outside the library as well.
+    /// A varied, clean experiment of full size with nothing hidden, whose library also contains the effects outside the
+    /// built-in one.
     ///
     /// # Errors
-    /// A library of one's own that has a name of theirs.
+    /// If the given library has an effect of the same name.
     pub fn new(process: Process, library: &Library, seed: u64) -> Result<Self, EffectError> {
         Ok(Self {
             process,
@@ -132,7 +135,7 @@ impl Experiment {
     /// Makes the trials.
     ///
     /// # Errors
-    /// [`MakeError`] for effects that do not exist or act, or a pass that fails.
+    /// [`MakeError`] if effects do not exist or do not act, or a pass fails.
     pub fn make(&self) -> Result<Made, MakeError> {
         self.make_reporting(&|| {})
     }
@@ -147,7 +150,7 @@ impl Experiment {
         let lasting = model.effects().flat_map(|effect| &effect.states).any(|state| state.reset == Reset::Never);
         let run = |trials: &[usize]| self.run(&model, &settings, trials, done);
         let all: Vec<usize> = (0..self.trials).collect();
-        // A state that outlasts the tool binds the trials to their order.
+        // With a state that is never reset the trials must run in order.
         let groups: Vec<&[usize]> = if lasting { vec![&all] } else { all.chunks(1).collect() };
         let ran: Vec<Vec<_>> = groups.into_par_iter().map(run).collect::<Result<_, _>>()?;
         let then = self.make_planned(&model, done)?;
@@ -156,22 +159,22 @@ impl Experiment {
         Ok(Made { trials, answer: Answer::of(&model, self.seed, truths) })
     }
 
-    /// Passes of all trials.
+    /// Number of passes of all trials.
     pub fn passes(&self) -> usize {
         let then = self.then.iter().flatten().map(|stage| stage.passes.len());
         self.plan.settings(self.trials).iter().map(Vec::len).chain(then).sum()
     }
 
-    /// Names of the effects that are at work, in the order in which they act.
+    /// Names of the effects that act, in the order in which they act.
     ///
     /// # Errors
-    /// Effects that do not exist or act.
+    /// If effects do not exist or do not act.
     pub fn hidden_effects(&self) -> Result<Vec<String>, MakeError> {
         let model = self.true_model()?;
         Ok(answer::hidden(&model).iter().map(|effect| effect.name.clone()).collect())
     }
 
-    /// The model that is at work.
+    /// The true model.
     fn true_model(&self) -> Result<CompiledModel, MakeError> {
         let rows = RowCounts { passes: self.passes(), scans: self.passes() };
         hidden::true_model(

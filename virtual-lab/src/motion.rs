@@ -1,4 +1,4 @@
-//! Where the tool goes: the way over the workpiece in time, with the approach from the air.
+//! Motion of the tool: the route over the workpiece in time, with the approach from the air.
 
 use glam::{DVec2, DVec3};
 use sim::{Path, PathError, PathSample};
@@ -10,19 +10,19 @@ use effects::Process;
 use random::Stream;
 use robot::Tool;
 
-/// Way from a bead's end to where its passes begin and end, so that the wheel is on the bead [m].
+/// Distance from a bead's ends to the ends of its passes, so that the wheel is on the bead [m].
 const INSET: f64 = 3e-3;
 /// Time between two samples of a path [s].
 const SAMPLE: f64 = 0.02;
-/// Distance between a pad's lines [pad radii].
+/// Distance between the lines of a pad's raster [pad radii].
 const LINE_SPACING: f64 = 0.65;
-/// Way from a panel's border to the pad's edge [m].
+/// Distance from a panel's border to the pad's edge [m].
 const PANEL_BORDER: f64 = 3e-3;
 
-/// Way from a row of a log to the next that counts [m]: far longer than the robot's jitter.
+/// Least distance between two rows of a log that counts as motion [m]: far longer than the robot's jitter.
 const SAME_PLACE: f64 = 1e-3;
 
-/// A straight stretch at one feed.
+/// A straight segment at one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stretch {
     from: DVec2,
@@ -30,12 +30,12 @@ struct Stretch {
     feed: f64,
 }
 
-/// The way of a pass over the workpiece, as it was commanded.
+/// The commanded route of a pass over the workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Way(Vec<Stretch>);
 
 impl Way {
-    /// The way of a pass.
+    /// The route of a pass.
     ///
     /// - `ends`: least and greatest x of the bead or panel [m]
     pub(super) fn of(process: Process, bench: &Bench, ends: [f64; 2], setting: &Setting) -> Self {
@@ -62,9 +62,9 @@ impl Way {
         Self(stretches)
     }
 
-    /// The way of a log.
+    /// The route of a log.
     ///
-    /// - `places`: time [s] and place [m] of each row; rows nearer to each other than [`SAME_PLACE`] are one
+    /// - `places`: time [s] and place [m] of each row; rows closer to each other than [`SAME_PLACE`] are merged
     pub(super) fn logged(places: &[(f64, DVec2)]) -> Self {
         let mut stretches = Vec::new();
         let (mut from, end) = (places[0], places[places.len() - 1]);
@@ -78,27 +78,27 @@ impl Way {
         Self(stretches)
     }
 
-    /// The way at the height of the workpiece frame, as a path's samples.
+    /// Path samples of the route, at height zero of the workpiece frame.
     pub(super) fn samples(&self, tool: &Tool) -> Vec<PathSample> {
         [0.0, self.duration()].map(|time| sample(time, self.at(time).extend(0.0), tool)).to_vec()
     }
 
-    /// Time of the whole way [s].
+    /// Duration of the whole route [s].
     pub(super) fn duration(&self) -> f64 {
         self.0.iter().map(Stretch::duration).sum()
     }
 
-    /// Length over time [m/s].
+    /// Mean feed: length over time [m/s].
     pub(super) fn mean_feed(&self) -> f64 {
         self.0.iter().map(|stretch| stretch.from.distance(stretch.to)).sum::<f64>() / self.duration()
     }
 
-    /// Unit direction in which it sets out.
+    /// Unit direction at its start.
     pub(super) fn direction(&self) -> DVec3 {
         (self.0[0].to - self.0[0].from).normalize().extend(0.0)
     }
 
-    /// Place at a time [s], held at both ends.
+    /// Place at a time [s], constant before the start and after the end.
     pub(super) fn at(&self, time: f64) -> DVec2 {
         let mut rest = time.max(0.0);
         for stretch in &self.0 {
@@ -111,16 +111,16 @@ impl Way {
         self.0[self.0.len() - 1].to
     }
 
-    /// The tool as it comes down over the beginning of the way and stays there.
+    /// Path of the tool that descends above the start of the route and stays there.
     ///
-    /// - `levels`: height of its reference point at first and at last [m]
+    /// - `levels`: initial and final height of its reference point [m]
     pub(super) fn descent(&self, levels: [f64; 2], speed: f64, tool: &Tool) -> Result<Path, PathError> {
         let time = (levels[0] - levels[1]) / speed;
         let sample = |(time, level): (f64, f64)| sample(time, self.at(0.0).extend(level), tool);
         Path::from_samples([(0.0, levels[0]), (time, levels[1])].map(sample).to_vec())
     }
 
-    /// The true path: down until `touch` [s], then along the way, off its line by the robot's wander.
+    /// The true path: descent until `touch` [s], then along the route with the robot's lateral wander.
     ///
     /// - `levels`: height of the reference point at first and at the touch [m]
     pub(super) fn path(
@@ -154,7 +154,7 @@ fn sample(time: f64, centre: DVec3, tool: &Tool) -> PathSample {
     PathSample::from_centre(time, centre, (DVec3::Z, DVec3::Y), tool)
 }
 
-/// Corners of lines along x, to and fro without lifting.
+/// Corners of a raster of lines along x, in alternating direction without lifting.
 fn lines(bench: &Bench, ends: [f64; 2]) -> Vec<DVec2> {
     let border = PANEL_BORDER + bench.tool_radius;
     let reach = 0.5 * bench.width - border;

@@ -1,19 +1,19 @@
-//! Noise that neighbours share: white noise through a Gaussian.
+//! Correlated noise: white noise convolved with a Gaussian.
 
 use random::Stream;
 
 /// Reach of the Gaussian [standard deviations].
 const REACH: f64 = 4.0;
 
-/// Normal noise of variance 1 on `nx` by `ny` points whose correlation falls as `exp(-(d / length)²)` with the distance
-/// d [points]; white for a length of zero.
+/// Normal noise of variance 1 on `nx` by `ny` points with the correlation `exp(-(d / length)²)` at the distance d
+/// [points]; white for a length of zero.
 pub(super) fn correlated(points: (usize, usize), length: f64, stream: &mut Stream) -> Vec<f64> {
     streaked(points, [length; 2], stream)
 }
 
-/// The same with a length along x and one along y.
+/// The same with separate lengths along x and y.
 pub(super) fn streaked((nx, ny): (usize, usize), lengths: [f64; 2], stream: &mut Stream) -> Vec<f64> {
-    // Two Gaussians of this deviation overlap as the correlation says.
+    // The autocorrelation of a Gaussian of half this length is the wanted one.
     let [along, across] = lengths.map(|length| kernel(0.5 * length));
     let (wide, high) = (nx + along.len() - 1, ny + across.len() - 1);
     let white: Vec<f64> = (0..wide * high).map(|_| stream.normal()).collect();
@@ -33,7 +33,7 @@ fn filtered(values: &[f64], stride: usize, kernel: &[f64]) -> f64 {
     kernel.iter().enumerate().map(|(k, weight)| weight * values[k * stride]).sum()
 }
 
-/// A sampled Gaussian whose weights' squares add up to one.
+/// A sampled Gaussian whose squared weights sum to one.
 fn kernel(sigma: f64) -> Vec<f64> {
     let reach = (REACH * sigma).ceil() as i32;
     let weight = |k: i32| if reach == 0 { 1.0 } else { (-0.5 * (f64::from(k) / sigma).powi(2)).exp() };

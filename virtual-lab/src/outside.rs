@@ -1,4 +1,5 @@
-//! Effects that the library does not have: what a diagnosis must call unknown. They are files of formulas like the library's.
+//! Effects outside the library, which a diagnosis must report as unknown. They are files of formulas like the
+//! library's.
 
 use effects::{EffectError, Library};
 
@@ -6,7 +7,7 @@ macro_rules! files {
     ($($name:literal,)*) => { &[$(($name, include_str!(concat!("outside/", $name))),)*] };
 }
 
-/// File and text of each.
+/// File name and text of each.
 pub const EFFECTS: &[(&str, &str)] = files![
     "axis-wander.toml",
     "grit-loss.toml",
@@ -18,10 +19,10 @@ pub const EFFECTS: &[(&str, &str)] = files![
     "thermal-stiffness.toml",
 ];
 
-/// A library with these effects.
+/// Returns a library with these effects.
 ///
 /// # Errors
-/// A name that one of the library's own effects has.
+/// If one of the library's own effects has the same name.
 pub fn with_outside(library: &Library) -> Result<Library, EffectError> {
     let files: Vec<(String, String)> = EFFECTS.iter().map(|&(file, text)| (file.to_owned(), text.to_owned())).collect();
     library.with(&files)

@@ -1,4 +1,4 @@
-//! Plans: which forces, feeds, speeds and directions the passes of a campaign have.
+//! Plans: forces, feeds, speeds and directions of the passes of a campaign.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,27 +16,27 @@ pub enum Plan {
     Varied,
     /// One force and one feed; the directions differ.
     Reversed,
-    /// The feed steps in the middle of every pass, the force from pass to pass.
+    /// The feed steps in the middle of every pass, the force changes from pass to pass.
     Steps,
 }
 
 /// One pass, relative to the usual settings of the process.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Setting {
-    /// Force.
+    /// Force, as a factor.
     pub(super) force: f64,
-    /// Feed on the first and the second half of the way.
+    /// Feed on the first and the second half of the route, as factors.
     pub(super) feeds: [f64; 2],
-    /// Spindle speed.
+    /// Spindle speed, as a factor.
     pub(super) speed: f64,
-    /// Whether the way is travelled backwards.
+    /// True if the route is travelled backwards.
     pub(super) backwards: bool,
 }
 
 /// A pass in one row: force, feed, spindle speed, backwards.
 type Row = (f64, f64, f64, bool);
 
-/// Two passes of each trial; after the last trial the list begins anew.
+/// Two passes of each trial; after the last entry the list repeats.
 const VARIED: [[Row; 2]; 4] = [
     [(1.0, 1.0, 1.0, false), (1.0, 1.0, 1.0, true)],
     [(0.667, 0.8, 1.0, false), (1.333, 1.2, 1.0, true)],
@@ -49,7 +49,8 @@ const REVERSED: [[Row; 2]; 4] = [
     [(1.0, 1.0, 1.0, true), (1.0, 1.0, 1.0, false)],
     [(1.0, 1.0, 1.0, false), (1.0, 1.0, 1.0, false)],
 ];
-/// The feed on the second half is [`STEP`] times as fast where forwards, and the first half where backwards.
+/// The feed is faster by the factor [`STEP`] on the second half of forward passes and on the first half of backward
+/// passes.
 const STEPS: [[Row; 2]; 4] = [
     [(0.667, 0.8, 1.0, false), (1.333, 0.8, 1.0, true)],
     [(1.0, 0.8, 0.7, true), (1.0, 0.8, 1.0, false)],
@@ -59,12 +60,12 @@ const STEPS: [[Row; 2]; 4] = [
 const STEP: f64 = 1.7;
 
 impl Plan {
-    /// Trials unless told otherwise.
+    /// Default number of trials.
     pub fn usual_trials(self) -> usize {
         if self == Self::Paper { 1 } else { 4 }
     }
 
-    /// Passes of each trial.
+    /// Settings of each pass, by trial.
     pub(super) fn settings(self, trials: usize) -> Vec<Vec<Setting>> {
         let equal = [[(1.0, 1.0, 1.0, false); 2]; 4];
         let (rows, step) = match self {
@@ -81,19 +82,19 @@ impl Plan {
     }
 }
 
-/// What the pass of a trial is for: the last trial judges, or the last pass where there is one trial.
+/// Role of a pass: evaluation in the last trial, or in the last pass if there is only one trial; else calibration.
 pub(super) fn role((trial, trials): (usize, usize), (pass, passes): (usize, usize)) -> Role {
     let judges = if trials > 1 { trial + 1 == trials } else { pass + 1 == passes };
     if judges { Role::Evaluation } else { Role::Calibration }
 }
 
-/// How large workpieces and scans are.
+/// Size of workpieces and scans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Size {
-    /// Seconds to make and to fit: a bead of 30 mm, a panel of 60 by 50 mm.
+    /// Takes seconds to make and to fit: a bead of 30 mm, a panel of 60 by 50 mm.
     Small,
-    /// As laboratories have them: a bead of 100 to 140 mm, a panel of 120 by 90 mm.
+    /// Typical of laboratories: a bead of 100 to 140 mm, a panel of 120 by 90 mm.
     #[default]
     Full,
 }

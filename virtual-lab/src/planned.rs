@@ -1,4 +1,4 @@
-//! Trials that someone has planned, run after those of the laboratory's own plan.
+//! Trials planned by a user or a study, run after those of the laboratory's own plan.
 
 use effects::{CompiledModel, Reset, States};
 use glam::DVec2;
@@ -12,7 +12,8 @@ use super::{Experiment, MakeError};
 use trials::trial::{Pass, Trial};
 
 impl Experiment {
-    /// Makes the trials of [`Experiment::then`], whose truth stays untold. A tool that is not fresh goes on from the trial before.
+    /// Makes the trials of [`Experiment::then`]; their true results are not recorded. A tool that is not fresh keeps
+    /// its states from the trial before.
     pub(super) fn make_planned(
         &self,
         model: &CompiledModel,
@@ -42,9 +43,9 @@ impl Experiment {
 }
 
 impl Bout<'_> {
-    /// Follows a planned trial, with a tool that remembers `states`.
+    /// Runs a planned trial with a tool of given `states`.
     ///
-    /// - `row`: passes of the campaign before
+    /// - `row`: number of earlier passes of the campaign
     fn follow(
         &mut self,
         planned: &Trial,
@@ -62,7 +63,7 @@ impl Bout<'_> {
             let order = ordered(pass);
             let rows = &pass.log.rows;
             let (first, last) = (rows[0].time, rows[rows.len() - 1].time);
-            // A clock that starts again says nothing of a pause.
+            // A clock that is reset gives no pause.
             let pause = end.map_or(0.0, |[planned, _]| f64::max(first - planned, 0.0));
             if pause > 0.0 {
                 self.pause((&order, pause), states, at)?;
@@ -79,7 +80,7 @@ impl Bout<'_> {
     }
 }
 
-/// A planned pass as it is commanded: the way of its rows under force.
+/// Command for a planned pass: the route of its rows in contact.
 fn ordered(pass: &Pass) -> Order {
     let pressed = pass.log.rows.iter().filter(|row| row.force > 0.0);
     let places: Vec<(f64, DVec2)> = pressed.map(|row| (row.time, row.position.truncate())).collect();

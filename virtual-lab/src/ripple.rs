@@ -1,4 +1,4 @@
-//! The ripple of the force: an effect of the robot that no library has, with phases of its own in each pass.
+//! Ripple of the force: an effect of the robot that no library has, with random phases in each pass.
 
 use std::f64::consts::TAU;
 
@@ -6,27 +6,27 @@ use effects::{CompiledModel, EffectError, Library, Model};
 
 use random::Stream;
 
-/// Its name, and its file.
+/// Name of the effect, and its file.
 const NAME: &str = "force-ripple";
 const FILE: (&str, &str) = ("force-ripple.toml", include_str!("force-ripple.toml"));
-/// Phases by parameter, and their frequencies over the slowest.
+/// Phase parameters, and their frequencies relative to the slowest.
 const WAVES: [(&str, f64); 3] = [("phase_slow", 1.0), ("phase_middle", 2.4), ("phase_fast", 5.6)];
 
 /// The ripple in a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ripple {
     swing: f64,
-    /// Of the slowest wave [Hz].
+    /// Frequency of the slowest wave [Hz].
     frequency: f64,
     phases: [f64; WAVES.len()],
 }
 
-/// Adds a ripple of the force to a model.
+/// Adds a force ripple to a model.
 ///
-/// - `swing`: standard deviation over the mean [1]
+/// - `swing`: standard deviation relative to the mean [1]
 ///
 /// # Errors
-/// A library that has an effect of this name.
+/// If the library has an effect of this name.
 pub(super) fn add(
     model: &mut Model,
     library: &Library,
@@ -44,7 +44,7 @@ pub(super) fn add(
 }
 
 impl Ripple {
-    /// The ripple of a model in the pass with this row of parameters; `None` where it has none.
+    /// The ripple of a model in the pass with this row of parameters; `None` if it has none.
     pub(super) fn of(model: &CompiledModel, row: usize) -> Option<Self> {
         let value = |name: &str| {
             let own = model.parameters().iter().zip(model.values());
@@ -55,7 +55,7 @@ impl Ripple {
         Some(Self { swing: value("swing")?, frequency: value("frequency")?, phases: WAVES.map(phase) })
     }
 
-    /// Force over its mean, less one, at a time of the pass [s].
+    /// Force over its mean, minus one, at a time of the pass [s].
     pub(super) fn at(&self, time: f64) -> f64 {
         let waves = WAVES.iter().zip(self.phases);
         let sum: f64 = waves.map(|((_, ratio), phase)| (TAU * ratio * self.frequency * time + phase).sin()).sum();

@@ -1,5 +1,5 @@
-//! The virtual robot and its log of a pass. The log holds the planned pose, the force as the controller read it, and
-//! the commanded speed.
+//! The virtual robot and its log of a pass. The log holds the planned pose, the controller's force reading, and the
+//! commanded speed.
 
 use glam::{DVec2, DVec3};
 use sim::PassRecord;
@@ -13,40 +13,41 @@ use trials::trial::{Log, LogRow, RPM};
 
 /// Time between two rows [s]: 100 Hz.
 const PERIOD: f64 = 0.01;
-/// Speed at which the tool comes down [m/s].
+/// Speed of the descent [m/s].
 const APPROACH_SPEED: f64 = 2e-3;
 /// Height above the surface at which the log begins [m].
 const CLEARANCE: f64 = 0.5e-3;
-/// Speed at which the tool is lifted at the end [m/s], and how long the log goes on [s].
+/// Speed of the retraction at the end [m/s], and time for which the log continues [s].
 const RETRACT: (f64, f64) = (20e-3, 0.15);
-/// Steps of the logged places [m], forces [N] and speeds [rpm].
+/// Resolution of the logged places [m], forces [N] and speeds [rpm].
 const STEPS: (f64, f64, f64) = (1e-6, 0.01, 1.0);
 
 /// Sizes of the robot's errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robot {
-    /// Noise of the force sensor [N].
+    /// Noise of the force sensor, standard deviation [N].
     pub force_noise: f64,
-    /// Noise of the spindle's tachometer [rpm].
+    /// Noise of the spindle's tachometer, standard deviation [rpm].
     pub speed_noise: f64,
-    /// Noise of the logged place along x, y and z [m].
+    /// Noise of the logged place along x, y and z, standard deviation [m].
     pub pose_jitter: f64,
-    /// Distance of the tool from the planned line, absent from the log [m].
+    /// Lateral deviation of the tool from the planned line, absent from the log [m].
     pub wander: f64,
-    /// Way over which it wanders [m].
+    /// Correlation length of this deviation [m].
     pub wander_length: f64,
     /// Offset of the logged places in the scans' frame [m]; its direction is drawn for each campaign.
     pub frame_shift: f64,
-    /// Turn of the robot's frame about the scan's middle [rad]; its sense is drawn for each campaign.
+    /// Rotation of the robot's frame about the scan's centre [rad]; its sign is drawn for each campaign.
     pub frame_turn: f64,
-    /// Time by which a logged place is older than the force beside it [s].
+    /// Delay by which a logged place is older than the force in the same row [s].
     pub pose_delay: f64,
-    /// Swing of the true force about what the controller holds, standard deviation [1]; the log shows it.
+    /// Ripple of the true force about the force that the controller holds, relative standard deviation [1]; the log
+    /// shows it.
     pub force_ripple: f64,
 }
 
 impl Robot {
-    /// A good robot.
+    /// Small errors.
     pub fn clean() -> Self {
         Self {
             force_noise: 0.2,
@@ -61,12 +62,12 @@ impl Robot {
         }
     }
 
-    /// More of every error.
+    /// Larger errors of every kind.
     pub fn hard() -> Self {
         Self { force_noise: 0.4, pose_jitter: 5e-6, wander: 20e-6, ..Self::clean() }
     }
 
-    /// Heights above the touch between which the touch is sought [m], and the speed [m/s].
+    /// Start and end heights of the search for the touch, above its expected height [m], and the speed [m/s].
     pub(super) fn descent() -> ([f64; 2], f64) {
         ([CLEARANCE, -CLEARANCE], APPROACH_SPEED)
     }
@@ -86,7 +87,7 @@ impl Robot {
             let rpm = pass.spindle_speed / RPM + self.speed_noise * stream.normal();
             let place = pass.frame.logged(pass.way.at(posed - pass.touch)).extend(level) + jitter;
             LogRow {
-                // The rounded product of two decimals is the decimal that the file holds.
+                // A rounded product of two decimals equals the decimal in the file.
                 time: (time * 1e6).round() / 1e6,
                 position: (place / STEPS.0).round() * STEPS.0,
                 force: (force / STEPS.1).round() * STEPS.1,
@@ -98,13 +99,13 @@ impl Robot {
     }
 }
 
-/// A pass as it truly was.
+/// True motion and force of a pass.
 pub(super) struct Ran<'a> {
     /// The simulated pass.
     pub(super) record: &'a PassRecord,
-    /// As it was commanded.
+    /// The commanded route.
     pub(super) way: &'a Way,
-    /// When the force reached the share of the setpoint at which the feed sets in [s].
+    /// Time at which the force reaches the share of the setpoint at which the feed starts [s].
     pub(super) touch: f64,
     /// Controller of the force.
     pub(super) controller: Controller,
@@ -112,16 +113,16 @@ pub(super) struct Ran<'a> {
     pub(super) force_setpoint: f64,
     /// Commanded spindle speed [rad/s].
     pub(super) spindle_speed: f64,
-    /// The frame of its places.
+    /// The robot's frame.
     pub(super) frame: Frame,
-    /// Swing of the force that the controller does not follow; `None` without one.
+    /// Force ripple that the controller does not follow; `None` without one.
     pub(super) ripple: Option<Ripple>,
 }
 
 impl Ran<'_> {
-    /// The two logged values around a time, and how far between them it is.
+    /// The two logged values around a time, and the interpolation weight of the second.
     fn around(&self, time: f64) -> (&sim::LogRow, &sim::LogRow, f64) {
-        // The record ends with a row in the air that no robot would have at this time.
+        // The record ends with a row in the air, which a robot would not have at this time.
         let end = self.record.log.iter().rposition(|row| row.force > 0.0).map_or(0, |last| last + 1);
         let log = &self.record.log[..end.max(2)];
         let after = log.partition_point(|row| row.time < time).clamp(1, log.len() - 1);
@@ -135,13 +136,13 @@ impl Ran<'_> {
         a.position.z + (b.position.z - a.position.z) * t
     }
 
-    /// Reading of the force sensor [N]: the force that the controller followed, with the swing that it did not follow.
+    /// Reading of the force sensor [N]: the force that the controller followed, with the ripple that it did not follow.
     fn force_reading(&self, time: f64) -> f64 {
         self.followed(time) * self.ripple.as_ref().map_or(1.0, |ripple| 1.0 + ripple.at(time))
     }
 
-    /// Force that the controller followed [N], the mean since the row before. It follows from the tool's motion by the
-    /// controller's law `mass · z'' = (F - setpoint) - damping · z'`; before the touch it is the simulated force.
+    /// Force that the controller followed [N], as a mean since the row before. It is computed from the tool's motion by
+    /// the controller's law `mass · z'' = (F - setpoint) - damping · z'`; before the touch it is the simulated force.
     fn followed(&self, time: f64) -> f64 {
         let since = (time - PERIOD).max(self.touch);
         let Controller::Admittance { mass, damping, .. } = self.controller else {
@@ -158,9 +159,9 @@ impl Ran<'_> {
     }
 }
 
-/// Height of a tool's reference point where it touches a surface from above [m].
+/// Height of a tool's reference point at which it touches a surface from above [m].
 ///
-/// - `height`: of the surface [m], by place [m]
+/// - `height`: height of the surface [m], by place [m]
 pub(super) fn touching(tool: &Tool, place: DVec2, step: f64, height: impl Fn(DVec2) -> f64) -> f64 {
     let (along, across) = tool.half_footprint(CLEARANCE);
     let (nx, ny) = ((along / step).ceil() as i32, (across / step).ceil() as i32);

@@ -1,4 +1,5 @@
-//! Sealed answers: encrypted and authenticated (XChaCha20-Poly1305), so that nobody reads or changes them without the key.
+//! Sealed answers: encrypted and authenticated (XChaCha20-Poly1305), so that they can be neither read nor changed
+//! without the key.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use chacha20poly1305::aead::{Aead, Generate, Key as CipherKey, KeyInit};
@@ -14,7 +15,7 @@ use files::sha256;
 pub const SEAL_FORMAT: &str = "robofin-seal/1";
 /// The only cipher.
 const CIPHER: &str = "XChaCha20-Poly1305";
-/// Plain texts are filled up with spaces to a multiple of this, so that their length tells nothing.
+/// Plain texts are padded with spaces to a multiple of this, so that their length reveals nothing.
 const BLOCK: usize = 1 << 15;
 
 /// The key of a seal.
@@ -28,59 +29,59 @@ pub struct Seal {
     cipher: String,
     /// 24 bytes in hexadecimal digits.
     nonce: String,
-    /// Base64.
+    /// Ciphertext in Base64.
     ciphertext: String,
-    /// Of the plain text with what fills it up, in hexadecimal digits: it commits to the answer before anyone opens it.
+    /// SHA-256 of the padded plain text, in hexadecimal digits: a commitment to the answer before it is opened.
     sha256: String,
 }
 
-/// Why a seal does not open.
+/// Reason for which a seal does not open.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum SealError {
     /// The key file holds something else.
     #[error("{found} is no key: 64 hexadecimal digits are expected")]
     NoKey {
-        /// What was found, by its length: nothing of a key is ever repeated.
+        /// Description of the contents by their length; a key is never repeated.
         found: String,
     },
-    /// Another format.
+    /// The seal has another format.
     #[error("{name} is {found}: {accepted:?} is expected")]
     Format {
-        /// Key of the file.
+        /// Name of the JSON key.
         name: &'static str,
-        /// What was found.
+        /// Value found.
         found: String,
-        /// What would be accepted.
+        /// Value accepted.
         accepted: String,
     },
-    /// Another key, or changed bytes.
+    /// The key is wrong, or bytes were changed.
     #[error("this key does not open it: it is the key of another seal, or the seal was changed")]
     WrongKey,
-    /// The contents are not what the seal committed to.
+    /// The contents differ from the commitment of the seal.
     #[error("the contents have the SHA-256 {found}, and the seal says {expected}")]
     WrongHash {
-        /// Of the contents.
+        /// SHA-256 of the contents.
         found: String,
-        /// In the seal.
+        /// SHA-256 in the seal.
         expected: String,
     },
 }
 
 impl Key {
-    /// More bytes than a key's file has: its digits and white space around them.
+    /// Most bytes of a key file: its digits and surrounding white space.
     pub const MOST_BYTES: u64 = 1024;
 
-    /// A key that no one can guess.
+    /// A random key.
     pub fn random() -> Self {
         Self(CipherKey::<XChaCha20Poly1305>::generate().into())
     }
 
-    /// The key that belongs to a seed. It is as hard to guess as the seed.
+    /// The key of a seed; it is as hard to guess as the seed.
     pub fn of_seed(seed: u64) -> Self {
         Self(Sha256::new().chain_update("robofin seal").chain_update(seed.to_le_bytes()).finalize().into())
     }
 
-    /// As a key file holds it.
+    /// Text of a key file.
     pub fn text(&self) -> String {
         hex(&self.0) + "\n"
     }
@@ -98,11 +99,11 @@ impl Key {
 impl Seal {
     /// Seals a text.
     pub fn new(text: &str, key: Key) -> Self {
-        // One key seals one text, so the nonce may follow from both.
+        // One key seals one text, so the nonce may be derived from both.
         let digest = Sha256::new().chain_update(key.0).chain_update(text).finalize();
         let mut padded = text.as_bytes().to_vec();
         padded.push(b'\n');
-        // Without a random word, a guess of the whole answer could be tried against the hash.
+        // Without a secret random word, a guess of the whole answer could be tested against the hash.
         padded.extend_from_slice(hex(&Sha256::digest([digest.as_slice(), &key.0].concat())).as_bytes());
         padded.resize(padded.len().next_multiple_of(BLOCK), b' ');
         let mut nonce = [0; 24];
@@ -119,7 +120,7 @@ impl Seal {
         }
     }
 
-    /// Opens a seal and checks that it holds what it committed to.
+    /// Opens a seal and checks its contents against the commitment.
     ///
     /// # Errors
     /// [`SealError`] for another key, changed bytes, or another format.

@@ -6,31 +6,31 @@ use glam::DVec2;
 
 use random::Stream;
 
-/// Plate before the bead begins [m].
+/// Length of plate before the bead begins [m].
 const RUN_IN: f64 = 6e-3;
 /// Half width of a bead [m].
 const BEAD_HALF_WIDTH: [f64; 2] = [3.6e-3, 5.2e-3];
 /// Height of a bead's crest [m].
 const BEAD_HEIGHT: [f64; 2] = [1.6e-3, 2.3e-3];
-/// Relative swing of crest and width along a bead.
+/// Relative variation of crest and width along a bead.
 const BEAD_SWING: [f64; 2] = [0.02, 0.06];
-/// Wavelength of that swing [m].
+/// Wavelength of this variation [m].
 const SWING_LENGTH: [f64; 2] = [12e-3, 45e-3];
 /// Amplitude of a bead's ripples [m].
 const RIPPLE: [f64; 2] = [15e-6, 45e-6];
-/// Their wavelength [m].
+/// Wavelength of the ripples [m].
 const RIPPLE_LENGTH: [f64; 2] = [2.8e-3, 4.5e-3];
-/// How far a ripple's flanks lag behind its crest [half widths].
+/// Lag of a ripple at the toe behind its crest [half widths].
 const RIPPLE_LAG: f64 = 0.35;
-/// Rounding of a bead's toes [m].
+/// Rounding radius of a bead's toes [m].
 const TOE: f64 = 0.1e-3;
 /// Tilt of a plate or panel [1].
 const TILT: [f64; 2] = [-2e-3, 2e-3];
 /// Amplitude of a plate's waves [m], and their wavelength [m].
 const PLATE_WAVE: ([f64; 2], [f64; 2]) = ([2e-6, 8e-6], [15e-3, 60e-3]);
-/// Share of a bead's length from which on it is laid with filler that grinds as the base metal does.
+/// Start of the second filler, which grinds like the base metal, as a share of a bead's length.
 const SECOND_FILLER: [f64; 2] = [0.55, 0.75];
-/// Radii of a panel along x and y [m].
+/// Radii of curvature of a panel along x and y [m].
 const PANEL_RADIUS: ([f64; 2], [f64; 2]) = ([2.0, 4.0], [0.8, 1.5]);
 /// Amplitude of a panel's waves [m], and their wavelength [m].
 const PANEL_WAVE: ([f64; 2], [f64; 2]) = ([4e-6, 15e-6], [20e-3, 60e-3]);
@@ -38,13 +38,13 @@ const PANEL_WAVE: ([f64; 2], [f64; 2]) = ([4e-6, 15e-6], [20e-3, 60e-3]);
 /// A wave in the plane.
 pub(super) struct Wave {
     amplitude: f64,
-    /// Radians per metre along x and y.
+    /// Wave vector [rad/m].
     number: DVec2,
     phase: f64,
 }
 
 impl Wave {
-    /// A wave along `direction`, a unit vector.
+    /// Draws a wave along `direction`, a unit vector.
     fn draw(amplitude: [f64; 2], length: [f64; 2], direction: DVec2, stream: &mut Stream) -> Self {
         let number = direction * TAU / stream.ratio_between(length);
         Self { amplitude: stream.between(amplitude), number, phase: stream.between([0.0, TAU]) }
@@ -59,7 +59,7 @@ fn sum(waves: &[Wave], place: DVec2) -> f64 {
     waves.iter().map(|wave| wave.at(place)).sum()
 }
 
-/// Waves in any direction.
+/// Draws waves of random direction.
 fn waves(count: usize, (amplitude, length): ([f64; 2], [f64; 2]), stream: &mut Stream) -> Vec<Wave> {
     let wave = |_| {
         let direction = DVec2::from_angle(stream.between([0.0, TAU]));
@@ -74,7 +74,7 @@ pub(super) struct Bead {
     end: f64,
     half_width: f64,
     height: f64,
-    /// Relative change of height and of width along x.
+    /// Relative variation of height and of width along x.
     swings: [Vec<Wave>; 2],
     ripple: Wave,
     tilt: DVec2,
@@ -84,14 +84,14 @@ pub(super) struct Bead {
 
 /// A true workpiece.
 pub(super) enum Workpiece {
-    /// For grinding.
+    /// A bead, for grinding.
     Bead(Bead),
-    /// For sanding: a dome with its middle at the second value.
+    /// A dome, for sanding, with its centre at the second value.
     Panel([f64; 2], DVec2, DVec2, Vec<Wave>),
 }
 
 impl Workpiece {
-    /// A bead of a length [m] that begins 6 mm from x = 0, along y = 0.
+    /// Draws a bead of a length [m] that begins 6 mm from x = 0, along y = 0.
     pub(super) fn bead(length: f64, stream: &mut Stream) -> Self {
         let mut swing = || (0..3).map(|_| Wave::draw(BEAD_SWING, SWING_LENGTH, DVec2::X, stream)).collect();
         let swings = [swing(), swing()];
@@ -108,12 +108,12 @@ impl Workpiece {
         })
     }
 
-    /// Length of plate that a bead of this length needs [m].
+    /// Length of plate for a bead of this length [m].
     pub(super) fn plate_length(bead: f64) -> f64 {
         bead + 2.0 * RUN_IN
     }
 
-    /// A dome around `middle` [m].
+    /// Draws a dome around `middle` [m].
     pub(super) fn panel(middle: DVec2, stream: &mut Stream) -> Self {
         let radii = [stream.between(PANEL_RADIUS.0), stream.between(PANEL_RADIUS.1)];
         let tilt = DVec2::new(stream.between(TILT), stream.between(TILT));
@@ -141,7 +141,7 @@ impl Workpiece {
 }
 
 impl Bead {
-    /// 1 on the crest, 0 at the toes, negative beyond; ends are round.
+    /// 1 on the crest, 0 at the toes, negative beyond; the ends are round.
     fn share(&self, place: DVec2) -> f64 {
         let width = self.half_width * (1.0 + sum(&self.swings[1], place));
         let beyond = (self.start + width - place.x).max(place.x - self.end + width).max(0.0);

@@ -1,4 +1,4 @@
-//! What truly happens in a trial: another lattice, shorter steps and another quadrature in time than a fit has.
+//! True course of a trial, with another lattice, shorter steps and another time quadrature than a fit uses.
 
 use effects::{CompiledModel, Hook, Process, Reset, RunError, States, StepValues, Variable};
 use glam::{DVec2, DVec3};
@@ -24,22 +24,22 @@ use trials::trial::{
     ForceInput, FrameErrors, FrameOffset, HeldTool, LabelMap, Pass, PassScan, RPM, Role, Scans, Trial,
 };
 
-/// Voxel of the true part [scan pitches]: finer than half a pixel, and no whole share of it, so that lattice lines and
-/// pixels fall apart.
+/// Voxel of the true part [scan pitches]: finer than half a pixel, and not a divisor of it, so that lattice lines and
+/// pixels do not coincide.
 const VOXEL: f64 = 0.44;
-/// Way of the tool in a step [voxels]: half as long as usual, besides the smaller voxel.
+/// Distance of the tool per step [voxels]: half the usual one, in addition to the smaller voxel.
 const STEP_VOXELS: f64 = 0.25;
 /// Width of the wheel [m].
 const WHEEL_WIDTH: f64 = 20e-3;
-/// Part beyond the scan, past half the tool's width [m].
+/// Margin of the part beyond the scan and half the tool's width [m].
 const BEYOND: f64 = 1e-3;
-/// Virtual mass [kg], damping [N s/m] and period [s] of the controllers. The true one is stepped at its period.
+/// Virtual mass [kg], damping [N s/m] and period [s] of the controllers. The true controller is stepped at its period.
 const GRINDING_CONTROLLER: (f64, f64, f64) = (2.0, 1500.0, 2e-3);
 const SANDING_CONTROLLER: (f64, f64, f64) = (1.0, 400.0, 5e-3);
-/// Coating [m].
+/// Thickness of the coating [m].
 const COATING: f64 = 60e-6;
 
-/// One trial in the making.
+/// One trial while it is made.
 pub(super) struct Bout<'a> {
     experiment: &'a Experiment,
     model: &'a CompiledModel,
@@ -59,12 +59,12 @@ pub(super) struct Bout<'a> {
     is_worked: bool,
 }
 
-/// A pass as it is commanded.
+/// Command for a pass.
 pub(super) struct Order {
     pub(super) way: Way,
-    /// [N].
+    /// Force setpoint [N].
     pub(super) force_setpoint: f64,
-    /// [rad/s].
+    /// Spindle speed [rad/s].
     pub(super) spindle_speed: f64,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Bout<'a> {
         Self::named(experiment, model, number, &format!("trial-{}", number + 1))
     }
 
-    /// The same under another name, with which its workpiece and all else of it is drawn.
+    /// The same under another name, which seeds its workpiece and all other draws.
     fn named(
         experiment: &'a Experiment,
         model: &'a CompiledModel,
@@ -113,9 +113,9 @@ impl<'a> Bout<'a> {
         })
     }
 
-    /// Scans, runs all passes with a tool that remembers `states`, and scans again.
+    /// Scans, runs all passes with a tool of given `states`, and scans again.
     ///
-    /// - `row`: passes of the campaign before
+    /// - `row`: number of earlier passes of the campaign
     /// - `done`: called after each pass
     pub(super) fn run(
         mut self,
@@ -143,7 +143,7 @@ impl<'a> Bout<'a> {
         Ok((self.trial(scans, passes), truth))
     }
 
-    /// Runs a pass and scans what it leaves. Returns the pass and the removed volume [m³].
+    /// Runs a pass and scans the result. Returns the pass and the removed volume [m³].
     pub(super) fn made(
         &mut self,
         order: &Order,
@@ -167,14 +167,14 @@ impl<'a> Bout<'a> {
         Ok((pass, record.removed_volume))
     }
 
-    /// A pass of the plan as it is commanded.
+    /// Command for a pass of the plan.
     fn order(&self, setting: &Setting) -> Order {
         let (force_setpoint, spindle_speed) = self.told(setting);
         let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
         Order { way, force_setpoint, spindle_speed }
     }
 
-    /// Lets the tool work on another workpiece before the trial.
+    /// Runs the tool on another workpiece before the trial.
     fn wear(&self, states: &mut States, row: usize) -> Result<(), TruthError> {
         if self.experiment.earlier_passes == 0 {
             return Ok(());
@@ -221,17 +221,17 @@ impl<'a> Bout<'a> {
         Stream::of(self.experiment.seed, &format!("{}/{purpose}", self.name))
     }
 
-    /// The model that is at work.
+    /// The true model.
     pub(super) fn model(&self) -> &'a CompiledModel {
         self.model
     }
 
-    /// The same workpiece in another trial, with the name under which all of that is drawn.
+    /// Continues with the same workpiece in another trial, whose name seeds its draws.
     pub(super) fn goes_on_as(&mut self, name: String) {
         (self.name, self.trial_time) = (name, 0.0);
     }
 
-    /// Lets the tool stand in the air before a pass [s].
+    /// Holds the tool in the air before a pass for a pause [s].
     pub(super) fn pause(
         &mut self,
         (order, pause): (&Order, f64),
@@ -247,7 +247,7 @@ impl<'a> Bout<'a> {
         sim::rest(&pass, states, pause).map_err(|error| self.scan_error(number, error))
     }
 
-    /// Force setpoint [N] and spindle speed [rad/s] of a pass, as people set them.
+    /// Nominal force setpoint [N] and spindle speed [rad/s] of a pass, rounded as an operator sets them.
     fn told(&self, setting: &Setting) -> (f64, f64) {
         let force = (setting.force * self.bench.force * 10.0).round() / 10.0;
         (force, (setting.speed * self.bench.rpm / 10.0).round() * 10.0 * RPM)
@@ -294,7 +294,7 @@ impl<'a> Bout<'a> {
         doses.iter().filter(|dose| **dose >= 1.0).count() as f64 / doses.len() as f64
     }
 
-    /// Runs a pass on the part. Returns what happened, and when the tool touched.
+    /// Runs a pass on the part. Returns the pass, and the time of the touch.
     fn pass(
         &mut self,
         order: &Order,
@@ -310,7 +310,7 @@ impl<'a> Bout<'a> {
         let surface = |place: DVec2| self.piece.height(place);
         let level = touching(&tool, way.at(0.0), self.part.voxel, surface);
         let (reach, speed) = Robot::descent();
-        // What is there now may lie far below the first surface.
+        // The present surface may lie far below the first one.
         let deep = if self.is_worked { self.ground_below(way, surface) } else { 0.0 };
         let levels = [level + reach[0] - deep, level + reach[1] - deep];
         let descent = way.descent(levels, speed, &tool).map_err(no_path)?;
@@ -336,7 +336,7 @@ impl<'a> Bout<'a> {
         Ok((record, touch))
     }
 
-    /// Depth of the present surface below the first one where the way begins [m].
+    /// Depth of the present surface below the first one at the start of the route [m].
     fn ground_below(&self, way: &Way, first: impl Fn(DVec2) -> f64) -> f64 {
         let place = way.at(0.0);
         let pixel = PixelGrid { origin: place, pitch: self.part.voxel, nx: 1, ny: 1 };
@@ -356,7 +356,7 @@ impl<'a> Bout<'a> {
     }
 }
 
-/// The tool and who holds the force.
+/// The tool and the force controller.
 fn tooling(process: Process, bench: &Bench) -> (HeldTool, Controller) {
     let radius = bench.tool_radius;
     let (tool, (mass, damping, period)) = match process {
@@ -366,14 +366,14 @@ fn tooling(process: Process, bench: &Bench) -> (HeldTool, Controller) {
     (tool, Controller::Admittance { mass, damping, period })
 }
 
-/// Pixels of a scan of a workpiece that is so long [m].
+/// Pixels of a scan of a workpiece of this length [m].
 fn scanned(bench: &Bench, length: f64) -> PixelGrid {
     let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
     let origin = DVec2::new(0.0, -0.5 * bench.width);
     PixelGrid { origin, pitch: bench.pitch, nx: count(length), ny: count(bench.width) }
 }
 
-/// The true surface on a lattice finer than the scan, past its border by half the tool's width.
+/// The true surface on a lattice finer than the scan, extended beyond its border by half the tool's width.
 fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &HeldTool) -> Result<BrickGrid, HeightsError> {
     let voxel = VOXEL * scan.pitch;
     let margin = tool.half_width() + BEYOND;
@@ -391,7 +391,7 @@ fn true_part(piece: &Workpiece, scan: &PixelGrid, tool: &HeldTool) -> Result<Bri
     Ok(part)
 }
 
-/// The stream of a repeated scan, counted from 0.
+/// Name of the random stream of a repeated scan, counted from 0.
 fn repeat(number: usize) -> String {
     if number == 0 { "repeat".to_owned() } else { format!("repeat-{}", number + 1) }
 }

@@ -1,11 +1,11 @@
-//! Why a virtual experiment cannot be made.
+//! Errors of making a virtual experiment.
 
 use effects::RunError;
 use sdf_bake::heights::HeightsError;
 use sim::{PassError, PathError};
 use thiserror::Error;
 
-/// Why an experiment cannot be made.
+/// Reason for which an experiment cannot be made.
 #[derive(Debug, Error)]
 pub enum TruthError {
     /// The surface makes no part.
@@ -13,27 +13,27 @@ pub enum TruthError {
     Part {
         /// Name of the trial.
         trial: String,
-        /// Why.
+        /// Cause.
         error: HeightsError,
     },
-    /// The way of the tool makes no path.
+    /// The route of the tool makes no path.
     #[error("{trial}, pass {pass}: {error}")]
     Path {
         /// Name of the trial.
         trial: String,
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Why.
+        /// Cause.
         error: PathError,
     },
-    /// The tool comes down and meets nothing.
+    /// The tool descends and meets nothing.
     #[error(
         "{trial}, pass {pass}: the tool does not meet the part: an effect holds it more than half a millimetre off"
     )]
     NoTouch {
         /// Name of the trial.
         trial: String,
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
     },
     /// A pass failed.
@@ -41,19 +41,19 @@ pub enum TruthError {
     Pass {
         /// Name of the trial.
         trial: String,
-        /// From 1.
+        /// Number of the pass, from 1.
         pass: usize,
-        /// Why.
+        /// Cause.
         error: PassError,
     },
-    /// A formula of the scanner.
+    /// A formula of the scanner failed.
     #[error("{trial}, scan after pass {pass}: {error}")]
     Scan {
         /// Name of the trial.
         trial: String,
-        /// From 1; 0 for the scan before.
+        /// Number of the pass, from 1; 0 for the scan before.
         pass: usize,
-        /// Which formula.
+        /// Cause, with the formula.
         error: RunError,
     },
 }

@@ -19,14 +19,14 @@ use files::output::{FileKind, FolderKind, Out};
 use files::{FileError, WrongUse, sha256};
 use trials::trial::write_trial;
 
-/// File that says that a campaign was made here, and how, without what is hidden.
+/// File that marks a campaign of the laboratory and states how it was made, without the hidden effects.
 pub const LABORATORY_FILE: &str = "laboratory.json";
-/// The open answer.
+/// File of the open answer.
 pub const ANSWER_FILE: &str = "answers.json";
-/// The sealed answer.
+/// File of the sealed answer.
 pub const SEAL_FILE: &str = "sealed.json";
 
-/// Files of a campaign that was made here.
+/// Files of a campaign of the laboratory.
 pub const CAMPAIGN_NAMES: &[&str] = &[
     LABORATORY_FILE,
     ANSWER_FILE,
@@ -39,9 +39,9 @@ pub const CAMPAIGN_NAMES: &[&str] = &[
     "trial-*/pass*_after.csv",
     "trial-*/pass*_exposed.csv",
 ];
-/// The folder of a campaign that was made here.
+/// Kind of the folder of such a campaign.
 const CAMPAIGN: FolderKind = FolderKind { marker: LABORATORY_FILE, key: "plan", names: &[("", CAMPAIGN_NAMES)] };
-/// The key beside it.
+/// Kind of the key file beside it.
 const KEY: FileKind = FileKind { what: "a key", is_own: is_key };
 
 fn is_key(file: &Path) -> bool {
@@ -49,17 +49,17 @@ fn is_key(file: &Path) -> bool {
         && fs::read_to_string(file).is_ok_and(|text| Key::parse(&text).is_ok())
 }
 
-/// The places of a campaign in the making, taken before any work is done.
+/// Claimed places of a campaign, taken before any work is done.
 pub struct Places {
     folder: StagedFolder,
     key: Option<StagedFile>,
 }
 
 impl Places {
-    /// Takes the folder, and the place of the key beside it where the answer is sealed.
+    /// Claims the folder, and the place of the key beside it if the answer is sealed.
     ///
     /// # Errors
-    /// Wrong use when a place holds something that may not be replaced; otherwise when it cannot be written.
+    /// Wrong use if a place holds something that may not be replaced; otherwise if it cannot be written.
     pub fn take(out: &Out, sealed: bool) -> Result<Self, WriteError> {
         let folder = StagedFolder::new(out, &CAMPAIGN)?;
         let key = key_place(out.place);
@@ -68,7 +68,7 @@ impl Places {
     }
 }
 
-/// An answer and the measurements that it belongs to.
+/// An answer with the hash of its measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptAnswer {
     /// SHA-256 of all names and contents of the trials' files in order.
@@ -78,7 +78,7 @@ pub struct KeptAnswer {
     pub answer: Answer,
 }
 
-/// How a campaign was made: all that a visitor may know.
+/// Public description of a campaign, without the hidden effects.
 #[derive(Serialize)]
 struct Laboratory<'a> {
     format: &'static str,
@@ -90,7 +90,7 @@ struct Laboratory<'a> {
     answer: &'a str,
 }
 
-/// Name of the key's file beside a campaign's folder.
+/// Path of the key file beside a campaign's folder.
 pub fn key_place(folder: &Path) -> PathBuf {
     let mut name = folder.file_name().unwrap_or_default().to_owned();
     name.push(".key");
@@ -102,7 +102,7 @@ pub fn key_place(folder: &Path) -> PathBuf {
 /// - `key`: seals the answer; the key goes to [`key_place`]
 ///
 /// # Errors
-/// Wrong use when a place is taken and `force` is not set; otherwise when a file cannot be written.
+/// Wrong use if a place is taken and `force` is not set; otherwise if a file cannot be written.
 pub fn write(
     made: &Made,
     experiment: &Experiment,
@@ -114,12 +114,12 @@ pub fn write(
     write_into(made, experiment, Places::take(&out, key.is_some())?, key)
 }
 
-/// Writes a campaign into places that were taken before.
+/// Writes a campaign to places that were claimed before.
 ///
 /// - `key`: seals the answer; it goes to its place beside the folder
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write_into(made: &Made, experiment: &Experiment, places: Places, key: Option<Key>) -> Result<(), WriteError> {
     let place = places.folder.path();
     for trial in &made.trials {
@@ -143,7 +143,7 @@ pub fn write_into(made: &Made, experiment: &Experiment, places: Places, key: Opt
         answer: answer_file,
     };
     write_json(&place.join(LABORATORY_FILE), &laboratory)?;
-    // First the key: a seal without one could never be opened.
+    // The key first: a seal without it could never be opened.
     if let (Some(file), Some(key)) = (places.key, key) {
         file.commit(key.text().as_bytes())?;
     }
@@ -151,37 +151,37 @@ pub fn write_into(made: &Made, experiment: &Experiment, places: Places, key: Opt
     Ok(())
 }
 
-/// The reason why a campaign cannot be written, or its seal not be opened.
+/// Reason for which a campaign cannot be written, or its seal cannot be opened.
 #[derive(Debug, Error)]
 pub enum WriteError {
-    /// A file or a place.
+    /// A file or a place cannot be used.
     #[error(transparent)]
     File(#[from] FileError),
     /// The seal does not open.
     #[error("{}", place.display())]
     Seal {
-        /// The sealed answer.
+        /// Path of the sealed answer.
         place: PathBuf,
-        /// The reason.
+        /// Cause.
         source: SealError,
     },
-    /// An answer that cannot be written as JSON.
+    /// An answer cannot be written as JSON.
     #[error("the answer cannot be written as JSON")]
     Json(#[from] serde_json::Error),
 }
 
-/// A seal opened.
+/// An opened seal.
 pub struct Unsealed {
-    /// The answer as it was sealed.
+    /// The sealed answer.
     pub answer: Value,
-    /// Whether the measurements are those that it was sealed with.
+    /// True if the measurements are those with which it was sealed.
     pub measurements_unchanged: bool,
 }
 
-/// Opens the sealed answer of a campaign and holds the measurements against it.
+/// Opens the sealed answer of a campaign and checks its measurements.
 ///
 /// # Errors
-/// Wrong use when the folder or the key file holds something else; otherwise when the key does not open the seal.
+/// Wrong use if the folder or the key file holds something else; otherwise if the key does not open the seal.
 pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed, WriteError> {
     let place = folder.join(SEAL_FILE);
     if !place.is_file() {

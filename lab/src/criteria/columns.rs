@@ -1,4 +1,4 @@
-//! Numbers of the dependence on columns of tables, logs and trials.
+//! Criteria for the dependence on columns of tables, logs and trials.
 
 use super::Criterion;
 

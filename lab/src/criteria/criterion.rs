@@ -1,10 +1,10 @@
-//! A number that decides, and all of them as results hold them.
+//! A decision criterion, and the list of all criteria in results.
 
 use serde::{Serialize, Serializer};
 
 use super::CRITERIA;
 
-/// A number that decides.
+/// A decision criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criterion {
     /// Name of its constant.
@@ -13,13 +13,13 @@ pub struct Criterion {
     pub value: f64,
     /// Unit; `1` where it has none, `σ` for standard deviations, `px` for pixels of a scan.
     pub unit: &'static str,
-    /// The quantity that it is, in a sentence.
+    /// Meaning, in a sentence.
     pub meaning: &'static str,
-    /// Origin of the value: a convention, a publication, a measurement, a derivation; `chosen` where nothing is recorded.
+    /// Origin of the value: a convention, a publication, a measurement, a derivation; `chosen` where none is recorded.
     pub source: &'static str,
 }
 
-/// [`CRITERIA`](super::CRITERIA) as results hold them: an object from name to value.
+/// [`CRITERIA`](super::CRITERIA) as serialised in results: an object from name to value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CriterionValues;
 

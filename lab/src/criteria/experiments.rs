@@ -1,4 +1,4 @@
-//! Numbers of first answers, attempts and next trials.
+//! Criteria of first answers, attempts and next trials.
 
 use super::Criterion;
 

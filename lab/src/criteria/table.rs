@@ -1,4 +1,4 @@
-//! Constants and the table of them, declared together.
+//! Macro that declares constants together with the table of them.
 
 use super::Criterion;
 
@@ -10,7 +10,7 @@ macro_rules! criteria {
             pub const $name: $kind = $value;
         )+
 
-        /// These criteria, in their order.
+        /// These criteria, in order of declaration.
         pub(super) const $list: &[Criterion] = &[$(Criterion {
             name: stringify!($name),
             value: $name as f64,
@@ -21,7 +21,7 @@ macro_rules! criteria {
     };
 }
 
-/// Two lists as one.
+/// Concatenates two lists.
 pub(super) const fn joined<const COUNT: usize>(first: &[Criterion], second: &[Criterion]) -> [Criterion; COUNT] {
     let mut all = [first[0]; COUNT];
     let mut k = 0;

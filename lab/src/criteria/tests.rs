@@ -1,4 +1,4 @@
-//! The criteria as they are agreed on: a change of one is a decision, which the documents must explain.
+//! Agreed values of the criteria: a change of one is a decision, which the documents must explain.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -292,7 +292,7 @@ fn the_modules_use_every_criterion() {
     }
 }
 
-/// True if a source is the table itself, or this test of it.
+/// True if a source is the table itself, or this test.
 fn is_of_criteria(path: &Path) -> bool {
     path.ends_with("criteria.rs") || path.ends_with("criteria/criterion.rs") || path.ends_with("criteria/tests.rs")
 }

@@ -1,4 +1,4 @@
-//! Numbers of the search for unlisted effects.
+//! Criteria of the search for unlisted effects.
 
 use super::Criterion;
 

@@ -1,5 +1,5 @@
-//! Fits of a law of which the data say one thing well and the rest hardly: rate and threshold under pressures that are
-//! nearly equal.
+//! Fits of a law of which the data determine one combination well and the others poorly: rate and threshold at nearly
+//! equal pressures.
 
 use effects::{Effect, Library, Model, Process, RowCounts};
 
@@ -10,14 +10,14 @@ use crate::pass_trend::PassTrend;
 /// Standard deviation of a depth [mm]; each place is ground for a second.
 const NOISE: f64 = 0.01;
 
-/// Depths [mm] under pressures around 0.6 MPa, uneven as simulations are.
+/// Depths [mm] under pressures around 0.6 MPa, with numerical noise as in simulations.
 struct Valley {
     depths: Vec<f64>,
     unevenness: f64,
 }
 
 impl Valley {
-    /// Rate [mm/(MPa s)], threshold [MPa] and stiffness [MPa/mm] that made the data.
+    /// True rate [mm/(MPa s)], threshold [MPa] and stiffness [MPa/mm].
     const TRUTH: [f64; 3] = [1.5, 0.2, 30.0];
 
     fn new(unevenness: f64) -> Self {
@@ -71,7 +71,7 @@ impl Evidence for Valley {
 
     fn residuals(&self, model: &CompiledModel, _: Split) -> Result<Vec<f64>, EvidenceError> {
         let predicted = self.predicted(model);
-        // Noise of variance one, made by a formula.
+        // Deterministic noise of variance one.
         let noise = |i: usize| 2.0_f64.sqrt() * (2.4 * (i * i % 397) as f64).sin();
         Ok((0..400).map(|i| noise(i) + (self.depths[i] - predicted[i]) / NOISE).collect())
     }
@@ -97,7 +97,7 @@ impl Evidence for Valley {
     }
 }
 
-/// Ways of a fit from other values to the truth [standard deviations], and how many simulations it took.
+/// Distances of a fit from the true values [standard deviations], and the number of simulations.
 fn ways(unevenness: f64, from: [f64; 3]) -> (Vec<f64>, usize) {
     let valley = Valley::new(unevenness);
     let start = model(from);

@@ -1,5 +1,5 @@
-//! Logs that lie far from where the scans show the tool are moved there before any fit: what is left is small enough for
-//! every fit to take it as a degree of freedom.
+//! Alignment of logs that lie far from where the scans show the tool. They are moved before any fit, so that every fit
+//! can treat the remaining offset as a degree of freedom.
 
 use effects::{CompiledModel, Library, Model, Process};
 use nalgebra::DVector;
@@ -15,14 +15,14 @@ use crate::error::Result;
 use crate::evidence::Evidence;
 use crate::scans::ScanEvidence;
 
-/// Most times that logs are moved.
+/// Most iterations of the alignment.
 const MOST_MOVES: usize = 6;
 
-/// The trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near enough. A place is
-/// sought on coarse voxels, and must hold on the usual ones.
+/// Returns the trials of a campaign with their logs moved to where the scans show the tool; `None` where they are near
+/// enough. The offset is sought on coarse voxels and confirmed on the usual ones.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Option<Vec<Trial>>> {
     let search = Search { trials, model, library, arms: Arms::of(&trials.iter().collect::<Vec<_>>()) };
     let voxel = COARSE_VOXEL_RATIO * trials[0].scans.before.pixels.pitch;
@@ -37,7 +37,7 @@ pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Opt
     Ok(search.is_far(place).then(|| search.placed(place)))
 }
 
-/// The search for the place of the logs of a campaign.
+/// Search for the frame offset of a campaign.
 struct Search<'a> {
     trials: &'a [Trial],
     model: &'a Model,
@@ -55,9 +55,9 @@ impl Search<'_> {
         self.trials.iter().map(|trial| frame_offset.of_trial(trial)).collect()
     }
 
-    /// Where the logs lie when they are moved until they stay; as logged where they never do.
+    /// Moves the logs until the offset converges; returns zero offset if it never does.
     ///
-    /// - `voxel`: of the simulation; the usual one without
+    /// - `voxel`: voxel of the simulation; `None` takes the usual one
     fn settled(&self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
         for _ in 0..MOST_MOVES {
             let shown = self.shown(&self.placed(place), voxel)?;
@@ -70,10 +70,10 @@ impl Search<'_> {
         Ok([0.0; QUANTITIES])
     }
 
-    /// Where the scans show logs, which may be moved already, beside a rough fit of the model, each effect of the library and any
-    /// smooth change of the removal.
+    /// Offset of the logs, which may have been moved already, given the scans, beside a rough fit of the model, each
+    /// effect of the library and any smooth change of the removal.
     ///
-    /// - `voxel`: of the simulation; the usual one without
+    /// - `voxel`: voxel of the simulation; `None` takes the usual one
     fn shown(&self, trials: &[Trial], voxel: Option<f64>) -> Result<FrameValues> {
         let usual = |_| ScanEvidence::new(trials, None);
         let mut evidence = ScanEvidence::new(trials, voxel).or_else(usual)?;

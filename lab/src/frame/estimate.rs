@@ -1,4 +1,4 @@
-//! Where the logs of a campaign lie in the frame of its scans, and what that is called.
+//! Estimate of the frame offset of a campaign, and its cause.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -17,33 +17,33 @@ use crate::simulation_errors::with_lattice_error;
 use trial_simulation::Variation;
 use trials::trial::Trial;
 
-/// Number of the lag among the quantities.
+/// Index of the lag among the quantities.
 const LAG: usize = 3;
-/// Length of a column of what is free in a fit: its prior is as wide.
+/// Norm of the column of a free parameter, which makes its prior wide.
 const FREE_COLUMN: f64 = 1e3;
 
-/// Model of the error in frame and clock that has the greatest marginal likelihood.
+/// Error model of frame and clock; the one with the greatest marginal likelihood is the cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrameCause {
-    /// Nothing: the logs are where the tool was, as far as the scans show it.
+    /// No error: the logs are where the tool was, within the precision of the scans.
     AsLogged,
-    /// An offset of the tool centre point across the way, as the effect `path-offset`.
+    /// An offset of the tool centre point across the path, like the effect `path-offset`.
     PathOffset,
-    /// A clock, as the effect `clock-offset`.
+    /// A clock delay, like the effect `clock-offset`.
     ClockOffset,
-    /// The robot's frame.
+    /// An offset of the robot's frame.
     Frame,
-    /// Frame and clock.
+    /// An offset of the frame and a clock delay.
     FrameAndClock,
 }
 
 impl FrameCause {
-    /// All of them.
+    /// All error models.
     pub(super) const ALL: [Self; 5] =
         [Self::AsLogged, Self::PathOffset, Self::ClockOffset, Self::Frame, Self::FrameAndClock];
 
-    /// Which quantities are free.
+    /// True for each quantity that is free.
     pub(super) fn free(self) -> [bool; QUANTITIES] {
         match self {
             Self::AsLogged => [false; QUANTITIES],
@@ -54,7 +54,7 @@ impl FrameCause {
         }
     }
 
-    /// The effect of the library that does the same.
+    /// Name of the equivalent effect of the library.
     pub fn effect(self) -> Option<&'static str> {
         match self {
             Self::PathOffset => Some("path-offset"),
@@ -75,12 +75,12 @@ pub struct FrameQuantity {
     pub is_shown: bool,
 }
 
-/// Where the logs of a campaign lie in the frame of its scans: what poses must be moved by.
+/// Frame offset of the logs of a campaign relative to the scans: the displacement to apply to the poses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameEstimate {
     /// Most probable cause.
     pub cause: FrameCause,
-    /// Logarithm of its Bayes factor against logs without error.
+    /// Logarithm of its Bayes factor over logs without error.
     pub log_odds: f64,
     /// Shift along x [mm].
     pub shift_x_mm: FrameQuantity,
@@ -88,28 +88,29 @@ pub struct FrameEstimate {
     pub shift_y_mm: FrameQuantity,
     /// Turn about z [mrad].
     pub yaw_mrad: FrameQuantity,
-    /// Time by which a logged pose is later than the force beside it [s].
+    /// Delay of a logged pose relative to the force of the same row [s].
     pub clock_s: FrameQuantity,
-    /// By how much of that the simulated paths are moved: mm, mm, mrad, s.
+    /// Part of the offset that is applied to the simulated paths: mm, mm, mrad, s.
     pub moved: FrameValues,
 }
 
-/// Posteriors of all causes, and the most probable one.
+/// Posteriors of all causes, and the most probable cause.
 pub(super) struct Judged {
     posteriors: [Posterior; FrameCause::ALL.len()],
     /// Most probable cause.
     cause: FrameCause,
-    /// Logarithm of its odds.
+    /// Logarithm of its Bayes factor.
     log_odds: f64,
-    /// Values of the quantities with it.
+    /// Values of the quantities under this cause.
     pub(super) place: FrameValues,
 }
 
 impl Judged {
-    /// Holds all causes against residuals.
+    /// Compares all causes by their marginal likelihood.
     ///
-    /// - `rivals`: changes of the residuals by competing effects, shape [data, sizes] each; a cause must be worth it beside each
-    /// - `moved`: by how much the logs are moved where the residuals were taken
+    /// - `rivals`: changes of the residuals by competing effects, shape [data, sizes] each; a cause must be significant
+    ///   beside each
+    /// - `moved`: offset that was applied to the logs when the residuals were taken
     pub(super) fn new(linear: Linear, rivals: &[DMatrix<f64>], (moved, trials): (FrameValues, &[&Trial])) -> Self {
         let scale = priors(trials[0].frame_errors);
         let of_moved = DVector::from_fn(QUANTITIES, |k, _| if scale[k] > 0.0 { moved[k] / scale[k] } else { 0.0 });
@@ -120,7 +121,7 @@ impl Judged {
         let gain = |b: usize, a: usize| {
             beside.iter().map(|own| own[b].log_evidence - own[a].log_evidence).fold(f64::INFINITY, f64::min)
         };
-        // A cause with more free quantities must be worth them, also beside the prior odds of its evidence.
+        // A cause with more free quantities must exceed the odds of a simpler one by [`FRAME_ODDS`].
         let count = |cause: usize| FrameCause::ALL[cause].free().into_iter().filter(|free| *free).count();
         let better = |a: usize, b: usize| {
             let least = if count(b) > count(a) { FRAME_ODDS.ln() } else { 0.0 };
@@ -133,7 +134,7 @@ impl Judged {
         };
         let posteriors = beside.into_iter().max_by(likeliest).expect("one has no rival");
         let place: FrameValues = std::array::from_fn(|k| posteriors[at].mean[k] * scale[k]);
-        // Less is within what the place of each scan leaves free.
+        // A smaller offset is within the free lateral shift of each scan.
         let is_off = at > 0 && Arms::of(trials).way(place) > PART_SHIFT_SIGMA;
         match is_off {
             true => Self { posteriors, cause: FrameCause::ALL[at], log_odds, place },
@@ -141,7 +142,7 @@ impl Judged {
         }
     }
 
-    /// - `row`: time between two rows of a log [s]: a log tells when something happened to a row
+    /// - `row`: time between two rows of a log [s], the resolution of the log in time
     fn estimate(&self, moved: FrameValues, scale: FrameValues, row: f64) -> FrameEstimate {
         let all_free = FrameCause::FrameAndClock;
         let quantity = |k: usize, unit: f64| {
@@ -167,11 +168,11 @@ impl Judged {
 }
 
 impl ScanEvidence<'_> {
-    /// Where the logs lie beside a fitted model; `None` before [`ScanEvidence::measure_simulation_errors`], and where they were
-    /// not moved.
+    /// Frame offset of the logs beside a fitted model; `None` before [`ScanEvidence::measure_simulation_errors`], and
+    /// if the logs were not moved.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub fn frame_estimate(&self, fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
         let scale = priors(self.simulation.trials[0].trial.frame_errors);
         let rows = &self.simulation.trials[0].trial.passes[0].log.rows;
@@ -182,10 +183,10 @@ impl ScanEvidence<'_> {
         Ok(self.frame_judged(fit)?.map(|judged| judged.estimate(self.logs_moved(), scale, row)))
     }
 
-    /// Moves simulated paths that were moved before on to where the scans show them beside a fitted model.
+    /// Moves simulated paths that were moved before to where the scans show them beside a fitted model.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(crate) fn follow_frame(&mut self, fit: &Fit) -> Result<(), EvidenceError> {
         let Some(judged) = self.frame_judged(fit)? else { return Ok(()) };
         let (moved, trials) = (self.logs_moved(), self.trials());
@@ -199,7 +200,7 @@ impl ScanEvidence<'_> {
         Ok(())
     }
 
-    /// By how much the logs are moved, as the passes are simulated.
+    /// Offset that is applied to the logs in simulated passes.
     pub(crate) fn logs_moved(&self) -> FrameValues {
         let own = &self.simulation.trials[0];
         let place = own.trial.frame_offset.and(&own.frame_offset);
@@ -210,8 +211,8 @@ impl ScanEvidence<'_> {
         self.simulation.trials.iter().map(|simulation| simulation.trial).collect()
     }
 
-    /// Change of the calibration residuals, each scan whitened by itself, by all that may be otherwise beside frame and clock:
-    /// what is free in a fit, and any smooth change of the removal.
+    /// Change of the calibration residuals, each scan whitened separately, by all terms beside frame and clock: free
+    /// parameters of a fit, and any smooth change of the removal.
     pub(super) fn beside_frame(&self, fit: &Fit) -> DMatrix<f64> {
         let columns: Vec<Vec<f64>> =
             fit.jacobian.column_iter().map(|column| column.iter().copied().collect()).collect();
@@ -222,7 +223,7 @@ impl ScanEvidence<'_> {
         DMatrix::from_columns(&free.column_iter().map(|column| column.into_owned()).chain(smooth).collect::<Vec<_>>())
     }
 
-    /// Changes of the calibration residuals by what is free, with wide priors, each scan whitened by itself.
+    /// Changes of the calibration residuals by free parameters with wide priors, each scan whitened separately.
     pub(super) fn free<'c>(&self, columns: impl Iterator<Item = &'c [f64]>) -> DMatrix<f64> {
         let wide = |column: &[f64]| {
             let own = self.alone(column);
@@ -236,7 +237,7 @@ impl ScanEvidence<'_> {
         }
     }
 
-    /// A change of the calibration residuals with each scan whitened by itself.
+    /// Whitens a change of the calibration residuals scan by scan.
     fn alone(&self, column: &[f64]) -> DVector<f64> {
         let mut alone = with_lattice_error(column, &self.lattice_field_of(Split::Calibration));
         self.frame.iter().for_each(|frame| frame.unwhiten(&mut alone));
@@ -252,7 +253,7 @@ impl ScanEvidence<'_> {
     }
 }
 
-/// Ways by which a path moves with a unit of each quantity [m].
+/// Displacement of a path per unit of each quantity [m].
 pub(super) struct Arms(FrameValues);
 
 impl Arms {
@@ -263,7 +264,7 @@ impl Arms {
         Self([1.0, 1.0, half_diagonal, feeds.fold(0.0, f64::max)])
     }
 
-    /// Longest way by which any of the quantities moves the path [m].
+    /// Largest displacement of the path by any of the quantities [m].
     pub(super) fn way(&self, values: FrameValues) -> f64 {
         self.0.iter().zip(values).map(|(arm, value)| arm * value.abs()).fold(0.0, f64::max)
     }

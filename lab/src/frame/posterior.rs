@@ -7,30 +7,30 @@ use trials::measure::{MAD_TO_SIGMA, median};
 use super::{FrameValues, QUANTITIES};
 use crate::criteria::HUBER_CONSTANT;
 
-/// Residuals near a frame_offset.
+/// Linear model of the residuals near a frame offset.
 pub(super) struct Linear {
-    /// Measured minus predicted, each scan whitened by itself.
+    /// Measured minus predicted, each scan whitened separately.
     pub(super) residuals: DVector<f64>,
-    /// Change of them by one standard deviation of each quantity, shape [data, 4].
+    /// Change of the residuals per prior standard deviation of each quantity, shape [data, 4].
     pub(super) columns: DMatrix<f64>,
-    /// Change of them by one standard deviation of all else that may be otherwise, shape [data, terms].
+    /// Change of the residuals per prior standard deviation of each other term, shape [data, terms].
     pub(super) beside: DMatrix<f64>,
 }
 
-/// Values of the quantities that are free, in their standard deviations beforehand.
+/// Posterior of the free quantities, in prior standard deviations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Posterior {
-    /// Mean of each quantity; zero of one that is held.
+    /// Mean of each quantity; zero if it is held.
     pub(super) mean: FrameValues,
-    /// Standard deviation of each; zero of one that is held.
+    /// Standard deviation of each; zero if it is held.
     pub(super) sigma: FrameValues,
-    /// Logarithm of the marginal likelihood, up to a constant of the data.
+    /// Logarithm of the marginal likelihood, up to a constant that depends on the data only.
     pub(super) log_evidence: f64,
 }
 
 impl Linear {
-    /// Standard deviation of what all quantities and terms leave, at least 1, and the weights that turn least squares into
-    /// the robust sum (Huber 1964).
+    /// Standard deviation of the residuals of the full model, at least 1, and the weights of the robust sum (Huber
+    /// 1964).
     fn spread_and_weights(&self) -> (f64, DVector<f64>) {
         let design = self.design(&[true; QUANTITIES]);
         let left = &self.residuals + &design * solution(&precision(&design), &design, &self.residuals);
@@ -39,14 +39,14 @@ impl Linear {
         (spread, left.map(|left| (HUBER_CONSTANT * spread / left.abs()).min(1.0).sqrt()))
     }
 
-    /// The same with more that may be otherwise.
+    /// The same model with further terms.
     pub(super) fn beside_also(&self, more: &DMatrix<f64>) -> Self {
         let all: Vec<_> =
             self.beside.column_iter().chain(more.column_iter()).map(|column| column.into_owned()).collect();
         Self { residuals: self.residuals.clone(), columns: self.columns.clone(), beside: DMatrix::from_columns(&all) }
     }
 
-    /// The posterior of each choice of free quantities; those held are at zero.
+    /// Posterior for each set of free quantities; the others are held at zero.
     pub(super) fn posteriors<const CHOICES: usize>(
         &self,
         choices: [[bool; QUANTITIES]; CHOICES],
@@ -63,7 +63,7 @@ impl Linear {
         })
     }
 
-    /// Changes by the free quantities, then by all else.
+    /// Design matrix: columns of the free quantities, then of all other terms.
     fn design(&self, free: &[bool; QUANTITIES]) -> DMatrix<f64> {
         let own = (0..QUANTITIES).filter(|&k| free[k]).map(|k| self.columns.column(k).into_owned());
         let beside = self.beside.column_iter().map(|column| column.into_owned());
@@ -87,13 +87,13 @@ impl Posterior {
     }
 }
 
-/// One more than the normal matrix: unit priors.
+/// Normal matrix plus the identity of the unit priors.
 fn precision(design: &DMatrix<f64>) -> Cholesky<f64, Dyn> {
     let count = design.ncols();
     Cholesky::new(design.tr_mul(design) + DMatrix::identity(count, count)).expect("ones on the diagonal")
 }
 
-/// Terms that make residuals least beside their priors.
+/// Maximum a posteriori terms.
 fn solution(precision: &Cholesky<f64, Dyn>, design: &DMatrix<f64>, residuals: &DVector<f64>) -> DVector<f64> {
     -precision.solve(&design.tr_mul(residuals))
 }
@@ -104,7 +104,7 @@ mod tests {
 
     const NONE: [bool; QUANTITIES] = [false; QUANTITIES];
 
-    /// Residuals of 200 data that a shift along x of two standard deviations makes, beside noise.
+    /// Residuals of 200 data with noise and a shift along x of two standard deviations.
     fn shifted() -> Linear {
         let wave = |row: usize, k: usize| ((row * (k + 2)) as f64 * 0.37).sin();
         let columns = DMatrix::from_fn(200, QUANTITIES, |row, k| if k == 1 { 0.0 } else { 4.0 * wave(row, k) });

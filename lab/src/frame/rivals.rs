@@ -1,4 +1,4 @@
-//! Effects of the library as competing explanations of residuals that a wrong frame or clock would leave as well.
+//! Effects of the library as competing explanations of residuals that a wrong frame or clock would also leave.
 
 use effects::{Library, Model, candidates};
 use nalgebra::DMatrix;
@@ -13,11 +13,11 @@ use crate::probe::Candidate;
 use crate::scans::ScanEvidence;
 use crate::totals::Totals;
 
-/// Change of the calibration residuals, each scan whitened by itself, by each effect of a library beside a fit of a model, shape
-/// [data, sizes] each. Effects that are frame or clock by another name are left out.
+/// Change of the calibration residuals, each scan whitened separately, by each effect of a library beside a fit of a
+/// model, shape [data, sizes] each. Effects that are equivalent to frame or clock are left out.
 ///
 /// # Errors
-/// When the fitted model cannot be simulated.
+/// If the fitted model cannot be simulated.
 pub(super) fn rivals(
     evidence: &ScanEvidence,
     (model, fit): (&Model, &Fit),

@@ -1,4 +1,4 @@
-//! Frame and clock in words, and as the effect of the library that does the same.
+//! Frame and clock in words, and as the equivalent effect of the library.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::estimate::{FrameCause, FrameEstimate, FrameQuantity};
 use crate::summary::{EffectSummary, ParameterState, ParameterSummary, significant};
 
 impl FrameQuantity {
-    /// Value and interval with a unit.
+    /// Formats value and interval with a unit.
     fn shown(&self, unit: &str) -> String {
         if !self.is_shown {
             return "not shown".to_owned();
@@ -17,7 +17,7 @@ impl FrameQuantity {
 }
 
 impl FrameEstimate {
-    /// Where the logs lie, in a sentence; `None` where they are right.
+    /// Sentence on the frame offset; `None` where the logs are right.
     pub fn sentence(&self) -> Option<String> {
         let Self { shift_x_mm: x, shift_y_mm: y, yaw_mrad: yaw, clock_s: clock, .. } = self;
         let frame = || {
@@ -36,7 +36,7 @@ impl FrameEstimate {
         Some(format!("By the scans {what}. Every fit leaves that free."))
     }
 
-    /// The effect of the library that does the same, with its value; `None` where no single one does.
+    /// The equivalent effect of the library with its value; `None` where no single effect is.
     pub(crate) fn as_effect(&self, title: &dyn Fn(&str) -> String) -> Option<EffectSummary> {
         let name = self.cause.effect()?;
         let (parameter, quantity, unit) = match self.cause {
@@ -58,7 +58,7 @@ impl FrameEstimate {
             indistinguishable_from: Vec::new(),
             parameters: BTreeMap::from([(parameter.to_owned(), summary)]),
             delta_chi2: 2.0 * self.log_odds,
-            // Odds exceed k by chance once in k times at most (Markov's inequality).
+            // Where there is no offset, odds above k occur with probability at most 1/k (Markov's inequality).
             p_value: (-self.log_odds).exp().min(1.0),
             search: 1,
             ruled_out: None,

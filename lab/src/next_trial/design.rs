@@ -1,17 +1,17 @@
-//! A trial that could be made, and what it costs.
+//! A candidate trial and its cost.
 
 use trials::trial::{Pass, Trial};
 
 use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
 
-/// A trial that could be made, on one new workpiece.
+/// A candidate trial on one new workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Design {
-    /// Difference to the trial that was made, in words.
+    /// Difference from the trial that was made, in words.
     pub(super) what: String,
-    /// The trial; where the tool is dressed in between, the workpiece goes on in the next one.
+    /// The trial; if the tool is dressed in between, the workpiece continues in the next one.
     pub(super) stages: Vec<Trial>,
-    /// Scans of each surface whose mean counts as one.
+    /// Number of scans of each surface that are averaged.
     pub(super) scans: usize,
 }
 
@@ -21,13 +21,13 @@ impl Design {
         self.stages.iter().flat_map(|stage| &stage.passes)
     }
 
-    /// New workpieces.
+    /// Number of new workpieces.
     pub(super) fn workpieces(&self) -> usize {
         1
     }
 
-    /// Expected time [min]: to set up the workpiece, for the passes and pauses, for all scans (two before the first pass and
-    /// one after each) and for each dressing.
+    /// Expected time [min]: setup of the workpiece, passes and pauses, scans (two before the first pass and one after
+    /// each) and dressings.
     pub(super) fn minutes(&self) -> f64 {
         let scans = self.scans * (2 + self.passes().count());
         let dressings = self.stages.iter().filter(|stage| stage.fresh).count();
@@ -38,7 +38,7 @@ impl Design {
     }
 }
 
-/// Time of all logs of a trial and of the pauses between them [s]. A clock that starts again says nothing of a pause.
+/// Duration of all logs of a trial and of the pauses between them [s]. A clock that is reset gives no pause.
 fn duration(trial: &Trial) -> f64 {
     let (mut total, mut end) = (0.0, None);
     for pass in &trial.passes {

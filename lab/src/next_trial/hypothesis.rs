@@ -1,4 +1,4 @@
-//! The hypotheses: effects that are still in play, and none of them.
+//! Hypotheses: effects that are still in play, and none of them.
 
 use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector};
@@ -18,9 +18,9 @@ const NONE: &str = "none of these";
 /// A model that may be the right one.
 #[derive(Clone, Copy)]
 pub struct Hypothesis<'a> {
-    /// Its effect.
+    /// Name of its effect.
     pub name: &'a str,
-    /// Probability, over any sum.
+    /// Unnormalised probability.
     pub probability: f64,
     /// The model, fitted to all earlier data.
     pub fit: &'a Fit,
@@ -31,17 +31,17 @@ impl<'a> Hypothesis<'a> {
         Self { name: finding.suspect.name(), probability: finding.probability, fit: &finding.suspect.fit }
     }
 
-    /// Its probability, and what earlier data and the library's ranges say of its parameters.
+    /// Its normalised probability, and the precision of its parameters from earlier data and the library's ranges.
     ///
     /// - `sum`: of all probabilities
-    /// - `spread`: standard deviation of whitened residuals that counts as noise
+    /// - `spread`: standard deviation of whitened residuals that is attributed to noise
     pub(super) fn belief(&self, sum: f64, spread: f64) -> Belief {
         let data = self.fit.jacobian.tr_mul(&self.fit.jacobian) / (spread * spread);
         let precision = data + DMatrix::from_diagonal(&prior(&self.fit.coordinates));
         Belief { probability: self.probability / sum, precision }
     }
 
-    /// The model at its best values; then with each coordinate moved by as much as derivatives are taken over, and the way.
+    /// The model at its best values, then with each coordinate moved by a finite difference; and these steps.
     pub(super) fn models(&self) -> (Vec<CompiledModel>, DVector<f64>) {
         let fit = self.fit;
         let mut models = vec![fit.model.clone()];
@@ -67,13 +67,13 @@ impl<'a> Hypothesis<'a> {
 }
 
 impl Round {
-    /// The hypotheses that no verdict decides between, most probable first; none where one is left.
+    /// The hypotheses between which no verdict decides, most probable first; empty if only one is left.
     fn live(&self) -> Vec<Hypothesis<'_>> {
         let Some(best) = self.best().filter(|best| best.probability < NAMED_PROBABILITY) else { return Vec::new() };
         let mut all = vec![Hypothesis::of(best)];
         all.extend(self.look_alikes().into_iter().map(Hypothesis::of));
         all.truncate(NEXT_TRIAL_HYPOTHESES);
-        // What an effect may not have because nothing tests it is left to none of them, too.
+        // The probability that an untested effect is denied goes to "none of these".
         let none = 1.0 - self.findings.iter().map(|finding| finding.probability).sum::<f64>();
         if none * NAMED_PROBABILITY >= best.probability * (1.0 - NAMED_PROBABILITY) {
             all.push(Hypothesis { name: NONE, probability: none, fit: &self.base });
@@ -83,7 +83,7 @@ impl Round {
 }
 
 impl Diagnosis {
-    /// The search whose hypotheses are still in play, and these; `None` where one is left.
+    /// The search whose hypotheses are still in play, and these; `None` if only one is left.
     pub fn live_hypotheses(&self) -> Option<(&Round, Vec<Hypothesis<'_>>)> {
         let round = self.rounds.iter().rev().find(|round| round.best().is_some())?;
         let live = round.live();

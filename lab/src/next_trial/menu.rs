@@ -1,4 +1,4 @@
-//! The menu: variants of a trial that was made, each one new workpiece.
+//! The menu: variants of a trial that was made, each on one new workpiece.
 
 use glam::DVec2;
 
@@ -9,38 +9,38 @@ use trials::trial::{ForceInput, Trial};
 use super::design::Design;
 use trial_simulation::PassPlan;
 
-/// Passes of the trial that variants are made of.
+/// Most passes of the template trial that variants use.
 const MOST_PASSES: usize = 4;
-/// Factors of force and feed that are combined.
+/// Factors of force and feed, in all combinations.
 const FORCES: [f64; 5] = [1.0, 0.5, 0.7, 1.4, 2.0];
 const FEEDS: [f64; 3] = [1.0, 0.5, 2.0];
 /// Factors of the spindle speed.
 const SPINDLES: [f64; 2] = [0.6, 1.4];
 /// Factors of the feed on the second half of each pass.
 const FEED_STEPS: [f64; 3] = [0.5, 2.0, 3.0];
-/// Factors on two halves of a pass, or on two passes after each other.
+/// Factors for the two halves of a pass, or for successive passes.
 const FORCE_PAIRS: [[f64; 2]; 2] = [[0.6, 1.6], [1.6, 0.6]];
 const FEED_PAIRS: [[f64; 2]; 2] = [[0.5, 2.0], [2.0, 0.5]];
 const SPINDLE_PAIRS: [[f64; 2]; 2] = [[1.0, 0.6], [1.0, 1.4]];
 /// Pauses between passes [s].
 const PAUSES: [f64; 2] = [60.0, 300.0];
-/// Force and feed with a worn tool.
+/// Factors of force and feed with a worn tool.
 const WORN: [[f64; 2]; 4] = [[1.0, 1.0], [0.6, 1.0], [1.6, 1.0], [1.0, 0.5]];
-/// Scans of each surface.
+/// Number of scans of each surface.
 const SCANS: [usize; 2] = [2, 4];
 /// Shift across the feed, over half of the tool's width.
 const ACROSS: f64 = 0.25;
-/// Times that all passes are made.
+/// Numbers of repetitions of all passes.
 const TIMES: [usize; 2] = [2, 3];
 
-/// Variants of one trial in the making.
+/// A menu under construction.
 struct Menu<'a> {
     template: &'a Trial,
     passes: Vec<PassPlan>,
     designs: Vec<Design>,
 }
 
-/// All variants of a trial; the trial itself comes first. None of one whose tool never touched.
+/// All variants of a trial; the trial itself comes first. Empty if its tool never touched.
 pub(super) fn menu(template: &Trial) -> Vec<Design> {
     let made = template.passes.iter().take(MOST_PASSES);
     let passes: Vec<PassPlan> = made.filter_map(|pass| PassPlan::of(pass, &template.tool)).collect();
@@ -59,7 +59,7 @@ pub(super) fn menu(template: &Trial) -> Vec<Design> {
 }
 
 impl Menu<'_> {
-    /// A trial with a fresh tool, unless it is on the menu.
+    /// Adds a trial with a fresh tool, unless it is already on the menu.
     fn add(&mut self, what: impl Into<String>, passes: Vec<PassPlan>) {
         let stage = self.stage(passes, true);
         self.push(Design { what: what.into(), stages: vec![stage], scans: 1 });
@@ -72,8 +72,8 @@ impl Menu<'_> {
         }
     }
 
-    /// Nothing holds the force of a log that is replayed, or follows one that was logged: a plan for it is one of the forces
-    /// that are wanted.
+    /// Builds the trial of these passes. A replayed log has no controller, so an ideal one takes its place; setpoints
+    /// of the plan replace logged forces.
     fn stage(&self, passes: Vec<PassPlan>, fresh: bool) -> Trial {
         let controller = match self.template.controller {
             Controller::Replay => Controller::Ideal,
@@ -85,7 +85,7 @@ impl Menu<'_> {
         Trial { passes, fresh, controller, force_input, notes, findings: Vec::new(), ..self.template.clone() }
     }
 
-    /// Each pass changed.
+    /// Applies a change to each pass.
     fn each(&self, change: impl Fn(PassPlan) -> PassPlan) -> Vec<PassPlan> {
         self.passes.iter().cloned().map(change).collect()
     }
@@ -96,12 +96,12 @@ impl Menu<'_> {
         self.passes.iter().cycle().take(count).cloned().collect()
     }
 
-    /// Each second pass changed in one way and the others in another.
+    /// Applies a change that depends on the parity of the pass.
     fn alternating(&self, change: impl Fn(PassPlan, usize) -> PassPlan) -> Vec<PassPlan> {
         self.several().into_iter().enumerate().map(|(number, pass)| change(pass, number % 2)).collect()
     }
 
-    /// Force, feed and spindle speed of all passes.
+    /// Variants of force, feed and spindle speed of all passes.
     fn add_settings(&mut self) {
         for force in FORCES {
             for feed in FEEDS {
@@ -120,8 +120,8 @@ impl Menu<'_> {
         }
     }
 
-    /// Steps on the way of each pass. A pass has one force and one spindle speed, so a step of these is two passes, each over
-    /// half of the way.
+    /// Steps along each pass. A pass has one force and one spindle speed, so a step of these is two passes, each over
+    /// half of the path.
     fn add_steps(&mut self) {
         for factor in FEED_STEPS {
             let passes = self.each(|pass| pass.with_feed([1.0, factor]));
@@ -142,7 +142,7 @@ impl Menu<'_> {
         }
     }
 
-    /// Passes that differ from those before them.
+    /// Successive passes with different settings.
     fn add_contrasts(&mut self) {
         for factors in FORCE_PAIRS {
             let passes = self.alternating(|pass, odd| pass.with_force(factors[odd]));
@@ -189,7 +189,7 @@ impl Menu<'_> {
         }
     }
 
-    /// Direction and place.
+    /// Variants of direction and lateral position.
     fn add_ways(&mut self) {
         self.add("the same passes in the opposite direction", self.each(PassPlan::reversed));
         let passes = self.alternating(|pass, odd| if odd == 1 { pass.reversed() } else { pass });
@@ -197,7 +197,7 @@ impl Menu<'_> {
         if let Some(passes) = self.passes.iter().cloned().map(|pass| pass.part(0.0..0.5)).collect() {
             self.add("the first half of each pass", passes);
         }
-        // A panel is sanded all over.
+        // A panel is sanded over its whole area.
         if self.template.process == Process::Sanding {
             return;
         }
@@ -211,7 +211,7 @@ impl Menu<'_> {
         }
     }
 
-    /// More passes, and fewer.
+    /// More and fewer passes.
     fn add_lengths(&mut self) {
         for times in TIMES {
             let count = times * self.passes.len();
@@ -221,7 +221,7 @@ impl Menu<'_> {
         self.add("the first pass alone", vec![self.passes[0].clone()]);
     }
 
-    /// Surfaces that are scanned again, so that noise averages out. The place of a border in a mask does not.
+    /// Repeated scans of each surface, which average noise. The border of a mask does not improve by averaging.
     fn add_scans(&mut self) {
         if self.template.process == Process::Sanding {
             return;

@@ -1,11 +1,11 @@
-//! The trial that says most about what is still in play, for each minute that it takes.
+//! The trial with the greatest expected information per minute about the hypotheses in play.
 //!
-//! 1. `menu` has some fifty variants of a trial that was made (`design`): other settings (`trial_simulation::PassPlan`), steps, pauses,
-//!    dressing, direction, place, scans.
-//! 2. `prediction` simulates each variant with every hypothesis that is in play (`hypothesis`), none of the effects among
-//!    them, and with each of their parameters moved.
-//! 3. `score` says how much a variant is expected to tell; the one that tells most in a minute is proposed, and what would come
-//!    after it.
+//! 1. `menu` has some fifty variants of a trial that was made (`design`): other settings
+//!    (`trial_simulation::PassPlan`), steps, pauses, dressing, direction, place, scans.
+//! 2. `prediction` simulates each variant with every hypothesis in play (`hypothesis`), the hypothesis that none of the
+//!    effects is the cause among them, and with each of their parameters moved.
+//! 3. `score` computes the expected information of a variant; the one with the most per minute is proposed, and the
+//!    next step after it.
 
 mod design;
 mod hypothesis;
@@ -33,10 +33,10 @@ use trials::trial::{Pass, RPM, Trial};
 pub use hypothesis::Hypothesis;
 pub(super) use score::left_after_refit;
 
-/// A trial worth making.
+/// A proposed trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NextTrial {
-    /// What to do.
+    /// Description of the trial.
     pub summary: String,
     /// Force of each pass [N].
     pub force_n: Vec<f64>,
@@ -44,13 +44,13 @@ pub struct NextTrial {
     pub feed_mm_s: Vec<f64>,
     /// Spindle speed of each pass [rpm].
     pub spindle_rpm: Vec<f64>,
-    /// The hypotheses that it would tell apart, most probable first; or the one effect whose prediction it would test.
+    /// Hypotheses that it would distinguish, most probable first; or the one effect whose prediction it would test.
     pub separates: Vec<String>,
-    /// Expected difference of the sums of squares of the first two; for one effect, of those with and without it.
+    /// Expected difference of χ² between the first two; for one effect, between the models with and without it.
     pub expected_delta_chi2: f64,
-    /// Least expected probability that the most probable one is the right one afterwards.
+    /// Lower bound of the expected probability that the most probable hypothesis is right afterwards.
     pub probability_right: f64,
-    /// What it costs and tells, and what else was on the menu; absent for tables.
+    /// Cost, expected information and alternatives from the menu; absent for tables.
     #[serde(flatten)]
     pub choice: Option<MenuChoice>,
 }
@@ -58,57 +58,57 @@ pub struct NextTrial {
 /// A trial chosen from a menu.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MenuChoice {
-    /// Its cost and worth.
+    /// Cost and information of the trial.
     #[serde(flatten)]
     pub worth: Worth,
     /// Box and Hill's discrimination [nat].
     pub discrimination_nats: f64,
-    /// Entropy of the probabilities now: the most that any trial can tell [nat].
+    /// Entropy of the present probabilities: the most information that any trial can give [nat].
     pub entropy_nats: f64,
-    /// Trials on the menu that could be simulated.
+    /// Number of trials on the menu that could be simulated.
     pub menu: usize,
-    /// The next best of the menu.
+    /// The next best trials of the menu.
     pub runners_up: Vec<MenuLine>,
-    /// What would come after it; absent where it is expected to settle the question.
+    /// The trial that would follow it; absent where it is expected to settle the question.
     pub then: Option<MenuLine>,
-    /// Scans of each surface whose mean counts as one.
+    /// Number of scans of each surface that are averaged.
     pub scans_per_surface: usize,
-    /// The trial without its scans; two where the tool is dressed in between.
+    /// The trial without its scans; two trials if the tool is dressed in between.
     #[serde(skip)]
     pub plan: Vec<Trial>,
 }
 
-/// Cost and worth of a trial.
+/// Cost and information of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Worth {
     /// Expected time [min].
     pub minutes: f64,
-    /// New workpieces.
+    /// Number of new workpieces.
     pub workpieces: usize,
-    /// Least expected fall of the entropy of the probabilities [nat].
+    /// Lower bound of the expected fall of the entropy of the probabilities [nat].
     pub expected_information_nats: f64,
-    /// The same for each minute.
+    /// The same per minute.
     pub nats_per_minute: f64,
 }
 
-/// A line of the menu.
+/// One trial of the menu.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MenuLine {
-    /// Difference to the trial that was made.
+    /// Difference from the trial that was made.
     pub summary: String,
-    /// Its cost and worth.
+    /// Cost and information.
     #[serde(flatten)]
     pub worth: Worth,
 }
 
-/// A trial of the menu with a bound on what is expected of it.
+/// A trial of the menu with an upper bound of its information.
 struct Outlined<'a> {
     design: Design,
     outline: Outline<'a>,
     bound: Score,
 }
 
-/// A trial of the menu with what is expected of it.
+/// A trial of the menu with its expected information.
 struct Rated {
     design: Design,
     predicted: Vec<Predicted>,
@@ -123,11 +123,11 @@ impl NextTrial {
     }
 }
 
-/// The trial on which the effect that was found last changes most, so that it tests what the effect predicts; `None`
-/// where nothing was found.
+/// The trial on which the effect that was found last changes the prediction most, as a test of the effect; `None` where
+/// nothing was found.
 ///
 /// # Errors
-/// When the campaign cannot be simulated.
+/// If the campaign cannot be simulated.
 pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = Hypothesis { name: found.suspect.name(), probability: 0.5, fit: &found.suspect.fit };
@@ -135,22 +135,22 @@ pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<O
     Ok(next_trial(evidence, &[with, without], round.spread)?.map(NextTrial::into_test))
 }
 
-/// The trial that says most about the hypotheses of a diagnosis, where several are still in play.
+/// The trial with the most information about the hypotheses of a diagnosis, where several are still in play.
 ///
 /// # Errors
-/// When the campaign cannot be simulated.
+/// If the campaign cannot be simulated.
 pub fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, live)) = diagnosis.live_hypotheses() else { return Ok(None) };
     next_trial(evidence, &live, round.spread)
 }
 
-/// The variant of the first trial that is expected to say most about hypotheses for each minute that it takes; `None` where
-/// no variant can be simulated.
+/// The variant of the first trial with the greatest expected information per minute about hypotheses; `None` if no
+/// variant can be simulated.
 ///
-/// - `spread`: standard deviation of whitened residuals that counts as noise
+/// - `spread`: standard deviation of whitened residuals that is attributed to noise
 ///
 /// # Errors
-/// When the last trial of the campaign cannot be simulated with a hypothesis.
+/// If the last trial of the campaign cannot be simulated with a hypothesis.
 pub fn next_trial(
     evidence: &ScanEvidence,
     hypotheses: &[Hypothesis],
@@ -183,8 +183,8 @@ pub fn next_trial(
     Ok(Some(trial))
 }
 
-/// The best trials of a menu, the best first. Derivatives cost most of the time, so they are made only of trials that may be
-/// among the best: those whose bounds are the highest, until no other bound is above what the last of the reported ones tells.
+/// The best trials of a menu, the best first. Derivatives cost most of the time, so they are computed only for trials
+/// with the highest upper bounds, until no other bound exceeds the information of the last reported trial.
 fn rated(predictor: &Predictor, beliefs: &[Belief], mut menu: Vec<Outlined>) -> Vec<Rated> {
     menu.sort_by(|a, b| b.most().total_cmp(&a.most()));
     let mut all: Vec<Rated> = Vec::new();
@@ -204,7 +204,7 @@ fn rated(predictor: &Predictor, beliefs: &[Belief], mut menu: Vec<Outlined>) -> 
 }
 
 impl Outlined<'_> {
-    /// The most that it can tell in a minute.
+    /// Upper bound of its information per minute.
     fn most(&self) -> f64 {
         self.bound.information / self.design.minutes()
     }
@@ -219,7 +219,7 @@ impl Rated {
         MenuLine { summary: self.design.what.clone(), worth: self.worth() }
     }
 
-    /// Most information per minute first; of equals the one that was rated first.
+    /// Orders by information per minute, descending; ties keep the order of rating.
     fn better_first(&self, other: &Self) -> Ordering {
         other.worth().nats_per_minute.total_cmp(&self.worth().nats_per_minute)
     }
@@ -237,7 +237,7 @@ impl Worth {
     }
 }
 
-/// The trial that would say most in a minute after the first one, whatever that one shows.
+/// The trial with the most information per minute after the first one, whatever its result.
 fn after(beliefs: &[Belief], all: &[Rated]) -> Option<MenuLine> {
     let first = &all[0];
     let beside = |next: &Rated| {
@@ -261,7 +261,7 @@ fn plan(evidence: &ScanEvidence, design: &Design) -> Vec<Trial> {
     design.stages.iter().map(named).collect()
 }
 
-/// A name that follows another: its last number is one higher.
+/// The name with its last number incremented.
 fn successor(name: &str) -> String {
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
     let digits = &name[stem.len()..];

@@ -1,4 +1,4 @@
-//! Predictions of a trial that was not made: each hypothesis simulated, and seen as its scans would be.
+//! Predictions of a trial that was not made: each hypothesis is simulated and seen as its scans would be.
 
 use effects::{CompiledModel, States};
 use nalgebra::{DMatrix, DVector};
@@ -21,56 +21,56 @@ use trial_simulation::SeenSurface;
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, Variation};
 use trials::trial::{PassScan, Trial};
 
-/// Number of the trial that variants are made of.
+/// Index of the template trial.
 pub(super) const TEMPLATE: usize = 0;
 
-/// Hypotheses as they are simulated on each trial.
+/// Hypotheses prepared for simulation on candidate trials.
 pub(super) struct Predictor<'a> {
     evidence: &'a ScanEvidence<'a>,
     hypotheses: Vec<Simulated>,
-    /// Standard deviation of whitened data that counts as noise.
+    /// Standard deviation of whitened data that is attributed to noise.
     spread: f64,
-    /// Side of a tile [pixels] and the noise of its mean; `None` where nothing is ground.
+    /// Side of a tile [pixels] and the noise of its mean; `None` when sanding.
     tiles: Option<(usize, TileNoise)>,
-    /// Of the simulation [m].
+    /// Voxel of the simulation [m].
     voxel: f64,
 }
 
-/// A hypothesis with the models of its derivatives.
+/// A hypothesis with its model and the perturbed models for derivatives.
 struct Simulated {
     /// Best values first, then one for each coordinate.
     models: Vec<CompiledModel>,
-    /// By how far each coordinate is moved there.
+    /// Step of each coordinate in the perturbed models.
     ways: DVector<f64>,
-    /// The tool as the campaign leaves it, by model.
+    /// State of the tool at the end of the campaign, by model.
     worn: Vec<States>,
     has_rows: bool,
 }
 
-/// How the scan after a pass is seen.
+/// Observation model of the scan after a pass.
 enum Sight<'a> {
     /// Tiles of a ground surface.
     Heights(Tiles, Box<Whitener>),
-    /// Border of what is exposed.
+    /// Border of the exposed region.
     Exposure(&'a ExposureView),
 }
 
 /// A trial as all hypotheses predict it at their best values.
 pub(super) struct Outline<'a> {
-    /// By pass.
+    /// Observation models, by pass.
     sights: Vec<Sight<'a>>,
     /// Factor on whitened data: more scans have less noise.
     scale: f64,
-    /// By hypothesis.
+    /// Whitened data, by hypothesis.
     pub(super) data: Vec<DVector<f64>>,
 }
 
-/// By pass: heights of the pixels [m], or doses beyond the one from which substrate shows.
+/// Heights of the pixels [m], or doses minus the exposure threshold, by pass.
 type Surfaces = Vec<Vec<f64>>;
 
 impl<'a> Predictor<'a> {
     /// # Errors
-    /// When the last trial cannot be simulated with a hypothesis.
+    /// If the last trial cannot be simulated with a hypothesis.
     pub(super) fn new(
         evidence: &'a ScanEvidence<'a>,
         hypotheses: &[Hypothesis],
@@ -89,10 +89,10 @@ impl<'a> Predictor<'a> {
         Ok(Self { evidence, hypotheses, spread, tiles, voxel })
     }
 
-    /// The predictions of all hypotheses at their best values.
+    /// Predicts the trial with all hypotheses at their best values.
     ///
     /// # Errors
-    /// When a hypothesis cannot be simulated on the trial.
+    /// If a hypothesis cannot be simulated on the trial.
     pub(super) fn outline(&self, design: &Design) -> Result<Outline<'_>, EvidenceError> {
         let rows = self.evidence.simulation.rows().passes;
         if design.passes().count() > rows && self.hypotheses.iter().any(|one| one.has_rows) {
@@ -107,7 +107,7 @@ impl<'a> Predictor<'a> {
         Ok(Outline { data: best.iter().map(|surfaces| outline.seen(surfaces)).collect(), ..outline })
     }
 
-    /// The same predictions with their derivatives.
+    /// Adds derivatives to the same predictions.
     ///
     /// # Errors
     /// As [`Self::outline`].
@@ -128,7 +128,7 @@ impl<'a> Predictor<'a> {
         design.stages.iter().map(stage).collect()
     }
 
-    /// What a model leaves after each pass of a trial.
+    /// Simulates the surface after each pass of a trial with a model.
     fn surfaces(&self, stages: &[Simulation], model: &CompiledModel, worn: &States) -> Result<Surfaces, EvidenceError> {
         let (mut tool, mut row, mut part) = (worn.clone(), 0, None);
         let mut surfaces = Vec::new();
@@ -145,7 +145,7 @@ impl<'a> Predictor<'a> {
         Ok(surfaces)
     }
 
-    /// How the scans after all passes are seen, given what each hypothesis leaves.
+    /// Observation models of the scans after all passes, given the surface that each hypothesis predicts.
     fn sights(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<Sight<'_>>, EvidenceError> {
         let views: Vec<&ScanView> = self.evidence.views.iter().filter(|view| view.trial == TEMPLATE).collect();
         let before = self.unground(&stages[0], &self.hypotheses[0].models[0])?;
@@ -160,7 +160,7 @@ impl<'a> Predictor<'a> {
         (0..best[0].len()).map(sight).collect()
     }
 
-    /// The scan before the first pass, as a simulation that removes nothing would leave it.
+    /// The scan before the first pass, as a simulation that removes nothing reproduces it.
     fn unground(&self, simulation: &Simulation, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
         let like = &simulation.trial.passes[0].scan;
         let seen = SeenSurface::of(&simulation.part, (pixels_of(simulation.trial), like), model, (1, 0));
@@ -170,7 +170,8 @@ impl<'a> Predictor<'a> {
         })
     }
 
-    /// Tiles within what any hypothesis cuts, with the noise of a scan that shows what the first one leaves. Rims are no data.
+    /// Tiles within the union of all hypotheses' cuts, with the noise of a scan of the first hypothesis's surface. Rims
+    /// are left out.
     fn cut(&self, view: &HeightView, before: &[f64], after: &[&[f64]]) -> Option<(Tiles, Whitener)> {
         let (side, noise) = self.tiles.as_ref()?;
         let pixels = view.measured.pixels;
@@ -186,7 +187,7 @@ impl<'a> Predictor<'a> {
 }
 
 impl Outline<'_> {
-    /// What is left after each pass as data.
+    /// Converts the surfaces after all passes to data.
     fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
         let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
         DVector::from_vec(self.sights.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
@@ -194,7 +195,7 @@ impl Outline<'_> {
 }
 
 impl Simulated {
-    /// Derivatives from the data at the best values and where each coordinate is moved.
+    /// Finite-difference derivatives, from the data at the best values and at each moved coordinate.
     fn jacobian(&self, best: &DVector<f64>, moved: &[DVector<f64>]) -> DMatrix<f64> {
         let slope = |row: usize, k: usize| {
             if self.ways[k] == 0.0 { 0.0 } else { (moved[k][row] - best[row]) / self.ways[k] }
@@ -204,7 +205,7 @@ impl Simulated {
 }
 
 impl Sight<'_> {
-    /// What is left after a pass as whitened data.
+    /// Converts the surface after one pass to whitened data.
     fn data(&self, surface: &[f64]) -> Vec<f64> {
         match self {
             Self::Heights(tiles, whitener) => whitener.whitened_field(&tiles.means(|at| surface[at])),
@@ -233,8 +234,8 @@ fn surface(pass: SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, Evide
     })
 }
 
-/// Tiles of ground scans: at most [`NEXT_TRIAL_TILES`] on what the first trial's last scan shows, and the noise of a tile's
-/// mean as the repeated scans of all trials show it.
+/// Tiles of ground scans: side such that the first trial's last scan has at most [`NEXT_TRIAL_TILES`], and the noise of
+/// a tile's mean from the repeated scans of all trials.
 fn tiles(evidence: &ScanEvidence) -> Option<(usize, TileNoise)> {
     let view = evidence.views.iter().rfind(|view| view.trial == TEMPLATE)?;
     let ScanData::Heights(data) = &view.data else { return None };
@@ -263,7 +264,7 @@ fn last_group<'t>(evidence: &'t ScanEvidence, voxel: f64) -> Result<Vec<(Simulat
     Ok(group)
 }
 
-/// The tool as trials leave it.
+/// State of the tool after the trials.
 fn worn(trials: &[(Simulation, usize)], model: &CompiledModel) -> Result<States, EvidenceError> {
     let mut tool = Simulation::fresh_states(model);
     for (simulation, row) in trials {

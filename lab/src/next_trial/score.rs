@@ -1,56 +1,56 @@
 //! Expected information of a trial about hypotheses, before it is made.
 //!
-//! Near its best values the prediction of hypothesis `i` is normal: mean `f_i`, covariance `C_i = 1 + J_i A_i⁻¹ J_iᵀ` of
-//! whitened data, with the precision `A_i` of its parameters from all earlier data. Two hypotheses differ by
+//! Near its best values the prediction of hypothesis `i` is normal: mean `f_i`, covariance `C_i = 1 + J_i A_i⁻¹ J_iᵀ`
+//! of whitened data, with the precision `A_i` of its parameters from all earlier data. Two hypotheses differ by
 //!
 //! `Δ_ij = d ((C_i + C_j) / 2)⁻¹ d`, `d = f_i − f_j`:
 //!
-//! the least difference that is left when the parameters of both follow it, as the T-criterion has it (Atkinson and Fedorov
-//! 1975). Box and Hill's discrimination is `D = Σ_{i<j} π_i π_j Δ_ij` (Box and Hill 1967; Hunter and Reiner 1965): with equal
-//! covariances an upper bound on the expected fall of the entropy of the probabilities π, in nats. It grows without end and
-//! the entropy does not. A lower bound that ends at the entropy is
+//! the least difference when the parameters of both are refitted, as in the T-criterion (Atkinson and Fedorov 1975).
+//! Box and Hill's discrimination is `D = Σ_{i<j} π_i π_j Δ_ij` (Box and Hill 1967; Hunter and Reiner 1965): with equal
+//! covariances an upper bound of the expected fall of the entropy of the probabilities π, in nats. It is unbounded, and
+//! the entropy is not. A lower bound that never exceeds the entropy is
 //!
 //! `I = −Σ_i π_i ln Σ_j π_j exp(−Δ_ij / 8)`,
 //!
-//! for `Δ_ij / 8` is at most the Bhattacharyya distance of two normal laws (Kolchinsky and Tracey 2017, section 4). Trials
-//! are ranked by it.
+//! because `Δ_ij / 8` is at most the Bhattacharyya distance of two normal laws (Kolchinsky and Tracey 2017, section 4).
+//! It ranks the trials.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// A hypothesis's prediction of a trial.
+/// Prediction of a trial by a hypothesis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Predicted {
     /// Whitened data.
     pub(super) data: DVector<f64>,
-    /// Their derivatives, shape [data, coordinates of the fit].
+    /// Derivatives of the data, shape [data, coordinates of the fit].
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// A hypothesis with its probability and fit.
+/// Probability of a hypothesis and precision of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Belief {
-    /// Probability among all of them.
+    /// Normalised probability.
     pub(super) probability: f64,
-    /// Precision of its parameters, shape [coordinates, coordinates].
+    /// Precision of the parameters, shape [coordinates, coordinates].
     pub(super) precision: DMatrix<f64>,
 }
 
 /// Expected information of a trial, or of several together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Score {
-    /// Differences of each two hypotheses, symmetric.
+    /// Differences `Δ_ij` of pairs of hypotheses, symmetric.
     pub(super) differences: DMatrix<f64>,
     /// Box and Hill's discrimination [nat].
     pub(super) discrimination: f64,
-    /// Least expected information [nat].
+    /// Lower bound `I` of the expected information [nat].
     pub(super) information: f64,
-    /// Least expected probability that the most probable hypothesis is right afterwards.
+    /// Lower bound of the expected probability that the most probable hypothesis is right afterwards.
     pub(super) probability_right: f64,
 }
 
 impl Predicted {
-    /// This prediction and that of another trial.
+    /// Joins this prediction and that of another trial.
     pub(super) fn and(&self, other: &Self) -> Self {
         let (own, all) = (self.data.len(), self.data.len() + other.data.len());
         let mut data = self.data.clone().resize_vertically(all, 0.0);
@@ -62,7 +62,7 @@ impl Predicted {
 }
 
 impl Score {
-    /// From the predictions of all hypotheses.
+    /// Scores the predictions of all hypotheses.
     pub(super) fn new(beliefs: &[Belief], predicted: &[Predicted]) -> Self {
         let count = beliefs.len();
         let mut differences = DMatrix::zeros(count, count);
@@ -73,7 +73,7 @@ impl Score {
         Self::of(beliefs, differences)
     }
 
-    /// An upper bound: as if no parameter could follow a difference.
+    /// Upper bound of the score, as if no parameter could compensate a difference.
     ///
     /// - `data`: whitened data as each hypothesis predicts them
     pub(super) fn bound(beliefs: &[Belief], data: &[DVector<f64>]) -> Self {
@@ -92,7 +92,7 @@ impl Score {
     }
 }
 
-/// Least difference of two predictions when the parameters of both may follow it.
+/// Least difference of two predictions when the parameters of both are refitted.
 fn difference([one, other]: [&Belief; 2], [a, b]: [&Predicted; 2]) -> f64 {
     let (own, all) = (a.jacobian.ncols(), a.jacobian.ncols() + b.jacobian.ncols());
     let mut jacobian = a.jacobian.clone().resize_horizontally(all, 0.0);
@@ -103,10 +103,10 @@ fn difference([one, other]: [&Belief; 2], [a, b]: [&Predicted; 2]) -> f64 {
     left_after_refit(&(&a.data - &b.data), &jacobian, &precision)
 }
 
-/// Sum of squares that is left of a difference of whitened predictions [1] when a fit may follow it.
+/// Remaining sum of squares of a difference of whitened predictions [1] after a refit.
 ///
 /// - `jacobian`: derivatives of the predictions, shape [data, coordinates of the fit]
-/// - `precision`: of the coordinates, from the data that hold them where they are
+/// - `precision`: precision of the coordinates, from the data that determine them
 pub(in super::super) fn left_after_refit(
     difference: &DVector<f64>,
     jacobian: &DMatrix<f64>,
@@ -132,8 +132,8 @@ fn information(weights: &[f64], differences: &DMatrix<f64>) -> f64 {
     (0..weights.len()).map(of).sum::<f64>().max(0.0)
 }
 
-/// One less the sum of the probabilities that a wrong hypothesis fits better than the right one; at least that of the most
-/// probable one now.
+/// One minus the sum of the probabilities that a wrong hypothesis fits better than the right one; at least the present
+/// probability of the most probable one.
 fn probability_right(weights: &[f64], differences: &DMatrix<f64>) -> f64 {
     let wrong = |i: usize| {
         let others = (0..weights.len()).filter(|&j| j != i);

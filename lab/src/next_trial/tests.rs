@@ -1,4 +1,4 @@
-//! The menu, its costs, and what ranks trials.
+//! Tests of the menu, of its costs, and of the ranking of trials.
 
 use effects::Process;
 use glam::{DVec2, DVec3};
@@ -159,7 +159,7 @@ fn a_score_is_that_of_two_normal_laws() {
     assert!((score.differences[(0, 1)] - 4.0).abs() < 1e-9 && (score.discrimination - 1.0).abs() < 1e-9);
     let least = -(0.5 + 0.5 * (-0.5f64).exp()).ln();
     assert!((score.information - least).abs() < 1e-9, "{}", score.information);
-    // Mutual information of one of two normal laws, means 2 sigma apart, by quadrature: 0.3368 nat.
+    // Mutual information of two normal laws with means 2 sigma apart, by quadrature: 0.3368 nat.
     assert!(score.information < 0.3368 && 0.3368 < score.discrimination);
     assert!((apart(30.0).information - 2f64.ln()).abs() < 1e-9, "it ends at the entropy");
     assert!((score.probability_right - 0.841_344_746).abs() < 1e-6);
@@ -176,7 +176,7 @@ fn a_difference_that_parameters_follow_is_none() {
     assert!((bound.differences[(0, 1)] - 50.0).abs() < 1e-9, "without parameters");
 }
 
-/// A trial of the menu whose hypotheses differ by so much.
+/// A trial of the menu with a given difference between hypotheses.
 fn rated(design: &Design, by: f64) -> Rated {
     let beliefs = [belief(0.5, 1.0), belief(0.5, 1.0)];
     let predicted = vec![predicted([by, 0.0, 0.0], [0.0; 3]), predicted([0.0; 3], [0.0; 3])];

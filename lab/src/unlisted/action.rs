@@ -1,5 +1,5 @@
-//! Quantities that an unlisted effect may change, and the first order of the base laws in each: the change of the removal with
-//! the contact frozen.
+//! Quantities that an unlisted effect may change, and the first-order response of the base laws to each: the change of
+//! the removal at unchanged contact.
 
 use effects::{Process, Unit};
 
@@ -10,15 +10,15 @@ use super::variables::{Scope, Variable};
 pub(crate) enum Action {
     /// The rate, or the dose, by a factor.
     Rate,
-    /// The pressure, by a factor. The force is held: what presses more elsewhere presses less here.
+    /// The pressure, by a factor. The force is held, so that more pressure in one place means less in another.
     Pressure,
-    /// The tool's turn about its x.
+    /// Rotation of the tool about its x axis.
     Roll,
-    /// The tool's place along its y.
+    /// Displacement of the tool along its y axis.
     Offset,
     /// The gap between tool and workpiece.
     Gap,
-    /// The height that the scanner sees.
+    /// The height that the scanner reads.
     Height,
 }
 
@@ -26,7 +26,7 @@ pub(crate) const ACTIONS: [Action; 6] =
     [Action::Rate, Action::Pressure, Action::Roll, Action::Offset, Action::Gap, Action::Height];
 
 impl Action {
-    /// Name in files; the rate needs none.
+    /// Name in files; empty for the rate.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Rate => "",
@@ -38,7 +38,7 @@ impl Action {
         }
     }
 
-    /// For people, after "the".
+    /// Display name, after "the".
     pub(crate) fn about(self) -> &'static str {
         match self {
             Self::Rate => "rate",
@@ -50,7 +50,7 @@ impl Action {
         }
     }
 
-    /// True where a form is a factor of it, false where it is added.
+    /// True if a form is a factor of it, false if a form is added to it.
     pub(crate) fn is_factor(self) -> bool {
         matches!(self, Self::Rate | Self::Pressure)
     }
@@ -72,7 +72,7 @@ impl Action {
         Unit::parse(unit).map_or(typical, |unit| unit.to_si(typical))
     }
 
-    /// Unit in which people see a change, and how much of it a typical size is.
+    /// Unit in which changes are displayed, and the value of a typical size in it.
     pub(crate) fn shown(self) -> (&'static str, f64) {
         match self.size() {
             _ if self.is_factor() => ("%", 100.0),
@@ -80,7 +80,7 @@ impl Action {
         }
     }
 
-    /// True if it may be a function of a variable.
+    /// True if it may depend on a variable.
     pub(crate) fn takes(self, process: Process, variable: &Variable) -> bool {
         match self {
             Self::Rate => true,
@@ -90,8 +90,8 @@ impl Action {
         }
     }
 
-    /// Change of the rate of removal per typical size, as a formula of a workpiece cell's state; `None` where it is not the
-    /// contact that changes.
+    /// Change of the removal rate per typical size, as a formula of a workpiece cell's state; `None` if the change is
+    /// not one of the contact.
     pub(crate) fn sensitivity(self, process: Process) -> Option<String> {
         let (removal, of_pressure) = match process {
             Process::Grinding => ("rate", "if(rate > 0, grind_rate, 0)"),
@@ -106,7 +106,7 @@ impl Action {
         }
     }
 
-    /// The `[modify]` lines of an effect file, in which `gain` is the factor or the summand.
+    /// Lines of the `[modify]` section of an effect file, in which `gain` is the factor or the summand.
     pub(crate) fn modification(self) -> &'static str {
         match self {
             Self::Rate => "rate = \"rate * gain\"\ndose_rate = \"dose_rate * gain\"\n",

@@ -1,5 +1,5 @@
-//! Linear response of the data to any change over one variable: hat functions over it, and the change of the whitened data by
-//! each. A form is its values at their peaks.
+//! Linear response of the data to any change over one variable: hat functions over it, and the change of the whitened
+//! data by each. A form enters by its values at their knots.
 
 use std::sync::Arc;
 
@@ -16,24 +16,24 @@ use crate::scans::{ScanData, ScanEvidence, ScanView};
 /// Least distance of two knots over the range of the variable.
 const APART: f64 = 2e-3;
 
-/// Hat functions over one variable.
+/// Hat functions over one variable with their responses.
 #[derive(Clone, Debug)]
 pub struct Basis {
     /// The quantity that changes.
     pub(crate) action: Action,
     /// The variable.
     pub(crate) variable: Arc<Variable>,
-    /// Values of the variable at the peaks [SI], rising; about equal shares of the removal lie between them.
+    /// Knots: values of the variable at the peaks [SI], ascending; about equal shares of the removal lie between them.
     pub(crate) knots: Vec<f64>,
-    /// Change of the whitened calibration residuals by a typical size at a peak, shape [data, knots].
+    /// Change of the whitened calibration residuals per typical size at a knot, shape [data, knots].
     pub(crate) columns: DMatrix<f64>,
 }
 
 impl Basis {
-    /// Those of all actions over all variables that vary.
+    /// Bases of all actions over all variables that vary.
     ///
     /// # Errors
-    /// When the scanner's formulas fail.
+    /// If the scanner's formulas fail.
     pub(crate) fn all(evidence: &ScanEvidence, exposures: &Exposures) -> Result<Vec<Self>, EvidenceError> {
         let variables = &exposures.variables;
         let basis = |(action, variable): (usize, usize)| -> Result<Option<Self>, EvidenceError> {
@@ -52,7 +52,7 @@ impl Basis {
         Ok(all?.into_iter().flatten().collect())
     }
 
-    /// Change of the whitened residuals by `gain` typical sizes, a function of the variable [SI].
+    /// Change of the whitened residuals by `gain`, a function of the variable [SI] in typical sizes.
     pub(crate) fn column(&self, gain: impl Fn(f64) -> f64) -> DVector<f64> {
         &self.columns * DVector::from_iterator(self.knots.len(), self.knots.iter().map(|&value| gain(value)))
     }
@@ -63,14 +63,14 @@ impl Basis {
     }
 }
 
-/// Hat functions over a variable, for an action, both by their places among all.
+/// Hat functions over a variable, for an action, both by index.
 struct Over<'a> {
     action: usize,
     variable: usize,
     knots: &'a [f64],
 }
 
-/// Values between which about equal shares of the removal lie, from the least to the greatest.
+/// Knots between which about equal shares of the removal lie, from the least to the greatest value.
 fn knots(distribution: &[(f64, f64)]) -> Vec<f64> {
     let total: f64 = distribution.iter().map(|(_, removed)| removed).sum();
     let (Some(first), Some(last)) = (distribution.first(), distribution.last()) else { return Vec::new() };
@@ -92,7 +92,7 @@ fn knots(distribution: &[(f64, f64)]) -> Vec<f64> {
     knots
 }
 
-/// The two hats over a value: number of the lower one, and the share of the upper one.
+/// The two hat functions around a value: index of the lower one, and weight of the upper one.
 fn between(knots: &[f64], value: f64) -> (usize, f64) {
     let upper = knots.partition_point(|knot| *knot <= value).clamp(1, knots.len() - 1);
     let share = (value - knots[upper - 1]) / (knots[upper] - knots[upper - 1]);
@@ -113,9 +113,9 @@ fn columns(evidence: &ScanEvidence, exposures: &Exposures, over: &Over) -> Resul
     Ok(columns)
 }
 
-/// The columns of one scan, shape [tiles, knots].
+/// Columns of one scan, shape [tiles, knots].
 fn scan_columns(exposures: &Exposures, view: &ScanView, over: &Over) -> Result<DMatrix<f64>, EvidenceError> {
-    // An error of the scanner is in its own scan only; removed depth stays in all later ones.
+    // An error of the scanner appears in its own scan only; a change of depth stays in all later scans.
     let first = if ACTIONS[over.action] == Action::Height { view.pass } else { 0 };
     let changes = changes(&exposures.passes[view.trial][first..=view.pass], over);
     let columns: Vec<Vec<f64>> = match &view.data {

@@ -1,4 +1,4 @@
-//! Columns of the logs, and values of the trials, as variables: each is a state of the tool that follows its column.
+//! Columns of the logs and values of the trials as variables: each is a state of the tool that follows its column.
 
 use effects::Unit;
 use trials::trial::{Trial, TrialColumn};
@@ -7,14 +7,14 @@ use super::form_text::number;
 use super::variables::{Scope, Variable};
 use crate::scans::ScanEvidence;
 
-/// Columns that all trials give in each row and in one dimension, and that are not the same all over.
+/// Columns that all trials give in each row with the same dimension, and that vary.
 pub(crate) fn columns(evidence: &ScanEvidence) -> Vec<Variable> {
     let trials: Vec<&Trial> = evidence.simulation.trials.iter().map(|simulation| simulation.trial).collect();
     let Some(first) = trials.first() else { return Vec::new() };
     first.columns.iter().filter_map(|column| variable(column, &trials)).collect()
 }
 
-/// A column as a variable; `None` where a trial lacks it, or where it never changes.
+/// Converts a column to a variable; `None` if a trial lacks it, or if it is constant.
 fn variable(column: &TrialColumn, trials: &[&Trial]) -> Option<Variable> {
     let of = |trial: &&Trial| -> Option<Vec<[f64; 2]>> {
         let is_own = |own: &&TrialColumn| own.name == column.name && own.dimension == column.dimension;
@@ -28,7 +28,7 @@ fn variable(column: &TrialColumn, trials: &[&Trial]) -> Option<Variable> {
         return None;
     }
     let moves = passes.iter().any(|[low, high]| low < high);
-    // A temperature in degrees Celsius is one in kelvin to formulas.
+    // Formulas read a temperature in degrees Celsius as kelvin.
     let unit = if column.scale.1 == 0.0 { column.unit.as_str() } else { "K" };
     let si = Unit::parse(unit).ok()?.to_si(1.0);
     let name = &column.name;
@@ -46,7 +46,7 @@ fn variable(column: &TrialColumn, trials: &[&Trial]) -> Option<Variable> {
     })
 }
 
-/// Least and greatest value that is known.
+/// Least and greatest known value.
 fn ends(values: &[f64]) -> [f64; 2] {
     let known = values.iter().copied().filter(|value| value.is_finite());
     known.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])

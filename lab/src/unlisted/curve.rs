@@ -1,5 +1,5 @@
-//! A smooth curve of the rate over one variable: a Gaussian process over the knots of its basis, as strong and as smooth as
-//! predicts the folds of the calibration data best (Rasmussen and Williams 2006, chapters 2 and 5).
+//! Smooth curve of the rate over one variable: a Gaussian process over the knots of its basis. Its strength and length
+//! are those that predict the folds of the calibration data best (Rasmussen and Williams 2006, chapters 2 and 5).
 
 use nalgebra::{Cholesky, DMatrix};
 
@@ -13,19 +13,19 @@ use crate::cross_validation::Beside;
 /// Share of the variance that is added to the diagonal, so that the covariance of close knots is positive definite.
 const JITTER: f64 = 1e-6;
 
-/// A curve, by the relative change of the rate at each knot.
+/// A curve as the relative change of the rate at each knot.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
-    /// Log density of all folds as the others predict them.
+    /// Cross-validated log density of all folds.
     pub density: f64,
     /// Relative change of the rate at each knot.
     pub change: Vec<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of the change at each knot.
     pub sigma: Vec<f64>,
 }
 
 impl Curve {
-    /// The curve over so many knots that predicts best; `None` where none can be fitted.
+    /// The curve over a number of knots that predicts best; `None` if none can be fitted.
     pub(crate) fn best(beside: &Beside, knots: usize) -> Option<Self> {
         let lengths = (0..CURVE_LENGTHS).map(|k| CURVE_LENGTH_GREATEST * CURVE_LENGTH_RATIO.powi(-k));
         let strengths = (0..CURVE_STRENGTHS).map(|k| CURVE_STRENGTH_LEAST * CURVE_STRENGTH_RATIO.powi(k));
@@ -44,8 +44,8 @@ impl Curve {
         Some(Self { density, change: moved.rows(own, knots).iter().copied().collect(), sigma })
     }
 
-    /// A curve over the rate of a model that has a form already, as one over the rate of the model without it: where the
-    /// curve stands in for a form of gain `g`, its change is `g / (1 + g)`.
+    /// Converts a curve over the rate of a model with a form to one over the rate of the model without it: where the
+    /// curve replaces a form of gain `g`, its change is `g / (1 + g)`.
     pub(crate) fn without_form(mut self) -> Self {
         for (change, sigma) in self.change.iter_mut().zip(&mut self.sigma) {
             let left = (1.0 - *change).max(LEFT_LEAST);
@@ -55,7 +55,7 @@ impl Curve {
     }
 }
 
-/// Precision of a Gaussian process at knots that are evenly apart, of a length that is a share of the way over all.
+/// Precision of a Gaussian process at evenly spaced knots; the length is a share of the whole range.
 fn precision(knots: usize, length: f64, strength: f64) -> Option<DMatrix<f64>> {
     let far = |i: usize, j: usize| (i as f64 - j as f64) / ((knots - 1) as f64 * length);
     let covariance = DMatrix::from_fn(knots, knots, |i, j| {

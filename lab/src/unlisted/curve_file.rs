@@ -1,4 +1,4 @@
-//! A curve as an effect file: straight between points, with one size.
+//! A curve as an effect file: piecewise linear between points, with one size.
 
 use super::action::Action;
 use super::form::LEFT_LEAST;

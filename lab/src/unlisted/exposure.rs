@@ -1,8 +1,8 @@
-//! Exposure of each place: the mean of every variable, weighted with the removal, pass by pass.
+//! Exposure of each place to every variable: its mean weighted with the removal, pass by pass.
 //!
-//! The simulator itself evaluates the formulas: each is a state of the workpiece's cells that grows by removal times value.
-//! With the contact as it is, a rate that changes by `g(v)` changes a surface by `∫ r g(v) dt`, about `g` of that mean times
-//! the removed depth (the weak form; equations in `docs/unlisted-effects.md`).
+//! The simulator itself evaluates the formulas: each is a state of the workpiece's cells that grows by removal times
+//! value. At unchanged contact a rate that changes by `g(v)` changes the surface by `∫ r g(v) dt`, about `g` of that
+//! mean times the removed depth (the weak form; equations in `docs/unlisted-effects.md`).
 
 use std::sync::Arc;
 
@@ -22,12 +22,12 @@ use crate::scans::ScanEvidence;
 use crate::simulated::Simulated;
 use trial_simulation::SimulatedPass;
 
-/// Name of the effect that sums up and changes nothing.
+/// Name of the effect that accumulates sums and changes nothing.
 const WATCH: &str = "exposure-sums";
 
 /// A pass at the pixels of its trial's scan.
 pub(crate) struct PassExposure {
-    /// Depth [m], or dose, that each of [`ACTIONS`] removes by its typical size.
+    /// Depth [m], or dose, that each of [`ACTIONS`] removes per typical size.
     pub removed: Vec<Vec<f64>>,
     /// Mean of each of [`Exposures::variables`] over the removal [SI], NaN where nothing was removed.
     pub means: Vec<Vec<f64>>,
@@ -37,19 +37,20 @@ pub(crate) struct PassExposure {
 pub(crate) struct Exposures {
     /// Passes of each trial.
     pub passes: Vec<Vec<PassExposure>>,
-    /// All variables: those of every campaign, and the columns of this one.
+    /// All variables: the common ones, and the columns of this campaign.
     pub variables: Vec<Arc<Variable>>,
     /// The model's simulation.
     pub simulated: Simulated,
 }
 
 impl Exposures {
-    /// Simulates a fitted model once, with all formulas watched.
+    /// Simulates a fitted model once and accumulates all formulas.
     ///
-    /// `None` for a model whose laws are not the library's, or that is too large for the sums beside its own states.
+    /// Returns `None` for a model whose laws are not the library's, or that has too many states of its own for the
+    /// sums.
     ///
     /// # Errors
-    /// When it cannot be simulated.
+    /// If it cannot be simulated.
     pub(crate) fn new(
         evidence: &ScanEvidence,
         (model, fit): (&Model, &Fit),
@@ -68,7 +69,7 @@ impl Exposures {
     }
 }
 
-/// Variables of every campaign, and the columns of this one, as far as all of them can be watched together.
+/// The common variables and the columns of this campaign, as many as fit into one simulation.
 fn variables(evidence: &ScanEvidence) -> Vec<Arc<Variable>> {
     let is_readable = |column: &Variable| {
         let text = watch(evidence.process(), &[Arc::new(column.clone())]);
@@ -78,7 +79,7 @@ fn variables(evidence: &ScanEvidence) -> Vec<Arc<Variable>> {
     known().into_iter().chain(columns.map(Arc::new)).collect()
 }
 
-/// Formulas that are summed up: the removal by each action's typical size, then the removal times each variable.
+/// Formulas that are summed: the removal by each action's typical size, then the removal times each variable.
 fn sums(process: Process, variables: &[Arc<Variable>]) -> Vec<String> {
     let removal = Action::Rate.sensitivity(process).expect("the contact removes");
     let actions = ACTIONS.iter().map(|action| action.sensitivity(process).unwrap_or_else(|| format!("0 * {removal}")));
@@ -117,7 +118,7 @@ fn exposure(
     let mean = |(sum, variable): (&Vec<f64>, &Arc<Variable>)| -> Vec<f64> {
         let place = |at: usize| pixels.position(at % pixels.nx, at / pixels.nx);
         match &*variable.formula {
-            // The place is known without removal, too.
+            // The place is also known without removal.
             "x" => (0..pixels.len()).map(|at| place(at).x).collect(),
             "y" => (0..pixels.len()).map(|at| place(at).y).collect(),
             _ => summed(sum).iter().zip(&total).map(|(sum, total)| sum / total).collect(),
@@ -138,9 +139,10 @@ fn exposure(
     PassExposure { removed, means }
 }
 
-/// Change of the removal at each pixel per way [m] of the tool along its y: the slope against the place on the tool.
+/// Change of the removal at each pixel per displacement [m] of the tool along its y axis: its slope over the place on
+/// the tool.
 ///
-/// - `across`: place along the tool's y at each pixel [m]
+/// - `across`: place along the tool's y axis at each pixel [m]
 fn moved(removed: &[f64], across: &[f64], pixels: &PixelGrid) -> Vec<f64> {
     let slope = |of: &[f64], at: usize, step: usize| match (at.checked_sub(step), of.get(at + step)) {
         (Some(low), Some(high)) => (high - of[low]) / (2.0 * pixels.pitch),
@@ -152,7 +154,8 @@ fn moved(removed: &[f64], across: &[f64], pixels: &PixelGrid) -> Vec<f64> {
     (0..pixels.len()).map(|at| -gradient(removed, at).dot(axis)).collect()
 }
 
-/// Values of a variable in all passes of the calibration scans with the depth removed there, in rising order.
+/// Values of a variable in all passes of the calibration scans with the depth removed there, in ascending order of the
+/// value.
 pub(crate) fn distribution(evidence: &ScanEvidence, exposures: &Exposures, variable: usize) -> Vec<(f64, f64)> {
     let mut all = Vec::new();
     for view in evidence.of(Split::Calibration) {

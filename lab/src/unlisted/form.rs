@@ -1,4 +1,4 @@
-//! Forms that a curve may have: few numbers each, and a formula that an engineer can read.
+//! Functional forms of a change: each has few numbers and a readable formula.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -22,17 +22,17 @@ pub(crate) enum Kind {
     Line,
     /// An exponential.
     Decay,
-    /// A change that comes to an end: `1 − exp(−v/s)`.
+    /// A saturating exponential: `1 − exp(−v/s)`.
     Saturation,
     /// A power.
     Power,
-    /// A line from a place on.
+    /// A line that starts at a place, constant before.
     Hinge,
     /// A step.
     Step,
-    /// A bell; its width is its standard deviation.
+    /// A bell curve; its width is its standard deviation.
     Bump,
-    /// A band with sharp borders.
+    /// A band with sharp edges.
     Band,
     /// A parabola.
     Bow,
@@ -53,29 +53,29 @@ pub(crate) const KINDS: [Kind; 10] = [
     Kind::Wave,
 ];
 
-/// A number that makes a form's shape.
+/// Kind of a shape parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape {
-    /// Somewhere on the variable.
+    /// A place on the variable.
     Place,
-    /// A length on the variable, on a scale of ratios.
+    /// A length on the variable, on a logarithmic scale.
     Width,
 }
 
-/// A form over a variable, its size still open.
+/// A form over a variable, without its size.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Form {
     /// The quantity that it changes.
     pub action: Action,
     /// Its kind.
     pub kind: Kind,
-    /// The thing that it is a function of.
+    /// The variable.
     pub variable: Arc<Variable>,
-    /// Values of its shape [SI], as [`Kind::shape`] names them.
+    /// Values of the shape parameters [SI], in the order of [`Kind::shape`].
     pub shape: Vec<f64>,
     /// Least and greatest value of the variable in the data [SI].
     pub ends: [f64; 2],
-    /// Which of its name in a model it is, from 1.
+    /// Number of the form in its model, from 1.
     pub number: usize,
 }
 
@@ -96,7 +96,7 @@ impl Kind {
         }
     }
 
-    /// Names of its sizes, each with a change of the rate of none where it is 0.
+    /// Names of its sizes; at 0 each leaves the rate unchanged.
     pub(crate) fn sizes(self) -> &'static [&'static str] {
         match self {
             Self::Decay => &["decay"],
@@ -106,7 +106,7 @@ impl Kind {
         }
     }
 
-    /// Names of the numbers that make its shape.
+    /// Names and kinds of its shape parameters.
     pub(crate) fn shape(self) -> &'static [(&'static str, Shape)] {
         match self {
             Self::Line | Self::Decay | Self::Power => &[],
@@ -120,7 +120,8 @@ impl Kind {
 }
 
 impl Form {
-    /// All forms of a kind over a basis, on a grid of shapes. What a variable of few values cannot show is left out.
+    /// All forms of a kind over a basis, on a grid of shapes. Forms that a variable of few values cannot show are left
+    /// out.
     pub(crate) fn all(kind: Kind, basis: &Basis) -> Vec<Self> {
         let ends = basis.ends();
         let form = |shape: Vec<f64>| Self {
@@ -149,8 +150,8 @@ impl Form {
         }
     }
 
-    /// Relative change of a factor, or the amount that is added [typical sizes], per unit of each size, at a value of the
-    /// variable [SI]; of an exponential and a power their first order.
+    /// Relative change of a factor, or added amount [typical sizes], per unit of each size, at a value of the variable
+    /// [SI]; first-order for an exponential and a power.
     pub(crate) fn gains(&self, value: f64) -> Vec<f64> {
         let [low, high] = self.ends;
         let span = high - low;
@@ -178,7 +179,7 @@ impl Form {
         DMatrix::from_rows(&rows)
     }
 
-    /// Relative change of a factor, or the amount that is added [typical sizes], at a value of the variable [SI].
+    /// Relative change of a factor, or added amount [typical sizes], at a value of the variable [SI].
     pub(crate) fn change(&self, value: f64, sizes: &[f64]) -> f64 {
         let sum: f64 = self.gains(value).iter().zip(sizes).map(|(gain, size)| gain * size).sum();
         match self.kind {
@@ -188,12 +189,12 @@ impl Form {
         }
     }
 
-    /// True of the basis of its action and its variable.
+    /// True if a basis is of the form's action and variable.
     pub(crate) fn is_over(&self, basis: &Basis) -> bool {
         self.action == basis.action && self.variable == basis.variable
     }
 
-    /// Takes its shape from a model that has it; returns its sizes [typical sizes].
+    /// Reads the shape from a model that has the form; returns its sizes [typical sizes].
     pub(crate) fn read(&mut self, model: &CompiledModel) -> Vec<f64> {
         let name = self.name();
         let value = |own: &str| model.value(model.index(&format!("{name}.{own}")).expect("the form's own parameter"));
@@ -209,7 +210,7 @@ impl Form {
     }
 }
 
-/// Lengths on a range, the longest first.
+/// Widths on a range, in descending order.
 fn widths([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     (0..FORM_RATIOS as i32).map(move |k| (high - low) * FORM_RATIO.powi(-k))
 }
@@ -220,7 +221,7 @@ fn places(basis: &Basis) -> impl Iterator<Item = f64> + use<> {
     (0..CURVE_KNOTS).map(move |k| low + (high - low) * (k as f64 + 0.5) / CURVE_KNOTS as f64)
 }
 
-/// Wavelengths on a range: even steps of the number of waves on it, as many as a basis can show.
+/// Wavelengths on a range, at even steps of the number of waves, as many as a basis resolves.
 fn waves([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     (2..CURVE_KNOTS).map(move |k| (high - low) / (0.5 * k as f64))
 }

@@ -1,4 +1,4 @@
-//! Forms as an engineer reads them: in words, and as effect files.
+//! Forms in words, and as effect files.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +7,8 @@ use super::variables::Variable;
 use crate::summary::significant;
 
 impl Kind {
-    /// Factor, or summand, in the effect language, for a variable's formula. `low`, `middle`, `span` are its least value,
-    /// the middle and the width of its range, as quantities.
+    /// Factor, or summand, in the effect language, for a variable's formula. `low`, `middle`, `span` are its least
+    /// value, and the middle and width of its range, as quantities.
     fn gain(self, is_factor: bool, v: &str, [low, middle, span]: [&str; 3]) -> String {
         let change = match self {
             Self::Line => format!("amount * ({v} - {middle}) / {span}"),
@@ -29,7 +29,7 @@ impl Kind {
 }
 
 impl Form {
-    /// The form in a sentence.
+    /// Sentence on the form.
     pub(crate) fn words(&self, sizes: &[f64]) -> String {
         let (Variable { unit, about, .. }, si) = (&*self.variable, self.variable.si());
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
@@ -80,13 +80,13 @@ impl Form {
         }
     }
 
-    /// Some typical sizes, with their unit.
+    /// Formats a number of typical sizes with the unit.
     fn amount(&self, sizes: f64) -> String {
         let (unit, scale) = self.action.shown();
         format!("{} {unit}", significant(scale * sizes))
     }
 
-    /// The effect file, with sizes and shape as they are known.
+    /// Effect file with the known sizes and shape.
     ///
     /// - `source`: its `source` line
     pub(crate) fn file(&self, sizes: &[f64], source: &str) -> String {
@@ -111,7 +111,7 @@ impl Form {
         )
     }
 
-    /// A parameter that is a size, given in typical sizes.
+    /// Entry of a size parameter, given in typical sizes.
     fn size_text(&self, name: &str, value: f64) -> String {
         let (unit, typical) = self.action.size();
         let [least, greatest, value] =
@@ -140,7 +140,7 @@ impl Form {
     }
 }
 
-/// Six digits of a number, as files have them.
+/// Formats a number with six digits.
 pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.5e}");
     format!("{:?}", text.parse::<f64>().unwrap_or(value))

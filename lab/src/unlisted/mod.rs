@@ -1,16 +1,17 @@
-//! Effects that the library does not hold: the rate as a function of one thing that the simulator knows, found from the data
-//! and written as an effect file.
+//! Unlisted effects, which the library does not contain: the rate as a function of one variable of the simulator, found
+//! from the data and written as an effect file.
 //!
-//! 1. `variables`: covariates of the rate, each a formula of the effect language. `action`: the quantities that may change
-//!    with them: rate, pressure, the tool's place, the scanner's height. `columns`: variables that the files measure.
-//! 2. `exposure`: one simulation of the fitted model, in which every variable is summed up where something is removed.
-//! 3. `basis`: hat functions over each variable, and the change of the whitened data by each, with the contact frozen.
+//! 1. `variables`: covariates of the rate, each a formula of the effect language. `action`: the quantities that may
+//!    change with them: rate, pressure, the tool's place, the scanner's height. `columns`: variables that the files
+//!    measure.
+//! 2. `exposure`: one simulation of the fitted model, in which every variable is averaged, weighted with the removal.
+//! 3. `basis`: hat functions over each variable, and the change of the whitened data by each, at unchanged contact.
 //! 4. `curve`: a smooth curve over each variable, scored by cross-validation, without a simulation.
 //! 5. `form`, `screen`: forms of few numbers over each variable, scored in the same way.
-//! 6. `trial_fit`: the best are added to the model as effect files, simulated and fitted. `search`: a second look beside the
-//!    best of them, for a model that lacks something has gone astray.
-//! 7. `null_forms`: the Δχ² that noise alone would give the luckiest form.
-//! 8. `proposal`: the best that chance does not explain and that predicts the held-out data better than the model without.
+//! 6. `trial_fit`: the best are added to the model as effect files, simulated and fitted. `search`: a second look
+//!    beside the best of them, because the missing effect biases the first model.
+//! 7. `null_forms`: the null distribution of the largest Δχ² over all forms.
+//! 8. `proposal`: the best form, if it is significant and improves the prediction of held-out data.
 
 mod action;
 mod basis;

@@ -1,4 +1,4 @@
-//! Largest Δχ² that noise alone would give the luckiest of all forms over all variables.
+//! Null distribution of the largest Δχ² over all forms and variables.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -8,15 +8,15 @@ use super::form::{Form, KINDS};
 use crate::response::Projector;
 use crate::significance::NullDraws;
 
-/// All forms over one variable, as directions of the data.
+/// All forms over one variable, as directions in data space.
 struct Space {
-    /// Hat functions over the variable without what the base parameters can explain, shape [data, knots].
+    /// Projected hat functions over the variable, shape [data, knots].
     columns: DMatrix<f64>,
-    /// Orthonormal sums of them, a matrix for each form, shape [knots, sizes].
+    /// Orthonormal combinations of them, a matrix for each form, shape [knots, sizes].
     forms: Vec<DMatrix<f64>>,
 }
 
-/// Draws of noise, each searched for forms as the data are.
+/// Draws noise and searches each draw for forms as the data are searched.
 ///
 /// - `left`: whitened residuals of the best model, with the block of each
 pub(crate) fn null_forms(projector: &Projector, bases: &[Basis], left: (&[f64], &[usize]), seed: u64) -> NullDraws {

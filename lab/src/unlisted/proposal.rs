@@ -1,4 +1,4 @@
-//! The effect files that are proposed where no effect of the library describes the data.
+//! Effect files that are proposed where no effect of the library describes the data.
 
 use effects::{Library, Model};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::response::Projector;
 use crate::summary::{ParameterSummary, WaterfallStep, parameter_summary};
 use crate::verdict::{Standing, least_size, rms, unexplained};
 
-/// A point of a curve.
+/// One point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CurvePoint {
     /// Value of the variable, in its unit.
@@ -36,11 +36,11 @@ pub struct FittedForm {
     pub name: String,
     /// The form in a sentence.
     pub summary: String,
-    /// Fall of the sum of squares.
+    /// Fall of χ².
     pub delta_chi2: f64,
-    /// Log density of data left out, above that of the model without it.
+    /// Cross-validated log density, minus that of the model without it.
     pub predicts_better_by: f64,
-    /// P-value of such a fall for the luckiest form over any variable.
+    /// P-value: probability that noise alone gives the best form over any variable such a Δχ².
     pub p_value: f64,
 }
 
@@ -51,7 +51,7 @@ pub struct ProposedForm {
     pub name: String,
     /// The form in a sentence.
     pub summary: String,
-    /// The quantity that it changes, in words, and the unit of a change.
+    /// Quantity that it changes, in words, and the unit of a change.
     pub acts_on: [String; 2],
     /// The variable, in words, and its unit.
     pub variable: [String; 2],
@@ -61,35 +61,35 @@ pub struct ProposedForm {
     pub fitted: Vec<FittedForm>,
 }
 
-/// Forms that describe the data better than chance, and the held-out data no worse than the model without them.
+/// Forms that are significant, and describe the held-out data no worse than the model without them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Proposal {
-    /// The forms, one after the other.
+    /// The forms, in the order in which they were found.
     pub forms: Vec<ProposedForm>,
-    /// Effect files by their names: each form, and its curve of no form.
+    /// Effect files by name: each form, and its curve.
     #[serde(skip)]
     pub files: Vec<(String, String)>,
-    /// The model with the forms, as a file that needs theirs.
+    /// Model file with the forms; it needs their files.
     #[serde(skip)]
     pub model: String,
-    /// Fitted parameters, those of the laws too.
+    /// Fitted parameters, including those of the laws.
     pub parameters: Vec<ParameterSummary>,
-    /// In what the errors are told.
+    /// Unit of the errors.
     pub error_unit: ErrorUnit,
-    /// Errors without them, then with each.
+    /// Errors without the forms, then with each.
     pub errors: Vec<WaterfallStep>,
-    /// Fall of the sum of squares.
+    /// Fall of χ².
     pub delta_chi2: f64,
 }
 
-/// A fitted form with its predictions.
+/// A fitted form with its cross-validated prediction.
 struct Weighed {
     fitted: Fitted,
     prediction: Prediction,
     p_value: f64,
 }
 
-/// A form that is good enough.
+/// An accepted form.
 struct Term {
     fitted: Fitted,
     curve: Vec<CurvePoint>,
@@ -100,11 +100,11 @@ struct Term {
     is_open: bool,
 }
 
-/// The forms that describe best the residual of a fitted model; `None` where the best is not significant, too small to be
-/// named as an effect, or raises the error of the held-out data.
+/// Finds the forms that describe the residual of a fitted model best; `None` if the best is not significant, too small
+/// to be named as an effect, or raises the error of the held-out data.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub fn propose(
     evidence: &dyn Evidence,
     (model, fit): (&Model, &Fit),
@@ -134,7 +134,7 @@ pub fn propose(
     Ok((!terms.is_empty()).then(|| proposal(evidence, fit, terms, errors)))
 }
 
-/// The form that predicts best, if chance does not explain it and the held-out data agree.
+/// The form that predicts best, if it is significant and the held-out data agree.
 fn term(
     evidence: &dyn Evidence,
     (model, fit): (&Model, &Fit),
@@ -179,7 +179,7 @@ fn weighed(evidence: &dyn Evidence, fit: &Fit, search: Search, seed: u64) -> (Ve
 }
 
 impl Weighed {
-    /// Log density of data left out, averaged over the shapes among which it was chosen.
+    /// Cross-validated log density, averaged over the shapes among which it was chosen.
     fn density(&self) -> f64 {
         self.prediction.total() + self.fitted.choice
     }
@@ -195,7 +195,7 @@ impl Weighed {
     }
 }
 
-/// The proposal of all terms, with the values of the last fit.
+/// Proposal of all terms, with the values of the last fit.
 fn proposal(evidence: &dyn Evidence, base: &Fit, terms: Vec<Term>, errors: Vec<WaterfallStep>) -> Proposal {
     let last = &terms[terms.len() - 1].fitted;
     let (fit, model) = (last.fit.clone(), last.model().to_text(&last.library));
@@ -249,7 +249,7 @@ fn told(evidence: &dyn Evidence, errors: &[WaterfallStep]) -> String {
     }
 }
 
-/// The curve of the rate over the form's variable, beside the form's own.
+/// Points of the curve of the rate over the form's variable, with the form's own values.
 fn points(evidence: &dyn Evidence, fitted: &Fitted) -> Result<Vec<CurvePoint>, EvidenceError> {
     let (looked, _) = again(evidence, fitted)?;
     let Some(own) = looked.into_iter().find(|looked| fitted.form.is_over(&looked.basis)) else {

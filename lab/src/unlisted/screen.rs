@@ -1,4 +1,4 @@
-//! A first look at all variables and forms: curves and forms fitted to the linearised data, without a simulation of any.
+//! First look at all variables and forms: curves and forms fitted to the linearised data, without a simulation.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -10,22 +10,22 @@ use crate::criteria::FORM_SIZE_SIGMA;
 use crate::cross_validation::{Beside, CrossValidation};
 use crate::fit::Fit;
 
-/// A form as it is expected to fit.
+/// Expected fit of a form.
 #[derive(Clone, Debug)]
 pub(crate) struct Expected {
     /// The form.
     pub form: Form,
     /// Its sizes.
     pub sizes: Vec<f64>,
-    /// How far the model's own coordinates follow it.
+    /// Shift of the model's own coordinates.
     pub shift: Vec<f64>,
     /// Log density of all folds, averaged over all shapes of its kind.
     pub score: f64,
-    /// By how much that is less than with this shape.
+    /// Logarithm of the mean density over all shapes relative to this shape; negative or 0.
     pub choice: f64,
 }
 
-/// A variable, the curve over it, and forms of it, best first.
+/// A variable with its curve and forms, best first.
 pub(crate) struct Looked {
     /// Hat functions over the variable.
     pub basis: Basis,
@@ -35,7 +35,7 @@ pub(crate) struct Looked {
     pub forms: Vec<Expected>,
 }
 
-/// Looks at all variables; those whose curve predicts best come first.
+/// Takes a first look at all variables; those whose curve predicts best come first.
 pub(crate) fn look(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec<Looked> {
     let one = |basis: Basis| -> Option<Looked> {
         let beside = folds.beside(fit, &basis.columns);
@@ -52,8 +52,8 @@ pub(crate) fn look(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec
     looked
 }
 
-/// The form of a kind whose shape predicts best. All shapes are as likely beforehand, so the kind is as likely as they are
-/// on average: one that fits with one shape of many is less likely than one that has no shape to choose.
+/// The form of a kind whose shape predicts best. All shapes are equally likely a priori, so that the kind has the mean
+/// likelihood of its shapes: a good fit at one shape of many counts less than one without a choice of shape.
 fn best(forms: Vec<Expected>) -> Option<Expected> {
     let most = forms.iter().map(|form| form.score).fold(f64::NEG_INFINITY, f64::max);
     let mean = forms.iter().map(|form| (form.score - most).exp()).sum::<f64>() / forms.len() as f64;
@@ -61,7 +61,7 @@ fn best(forms: Vec<Expected>) -> Option<Expected> {
     Some(Expected { score: most + mean.ln(), choice: mean.ln(), ..best })
 }
 
-/// A form's sizes that fit best.
+/// Best-fitting sizes of a form.
 fn expected(beside: &Beside, basis: &Basis, form: Form) -> Option<Expected> {
     let sums = form.gains_at(&basis.knots);
     let count = sums.ncols();

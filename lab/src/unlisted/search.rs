@@ -1,7 +1,7 @@
-//! The search for a form: look, fit the best, look again beside the best fit, and fit what is new.
+//! Search for a form: a first look, fits of the best forms, a second look beside the best fit, and fits of new forms.
 //!
-//! The base parameters are biased by the missing effect, which distorts the residuals. The second look linearises at a model
-//! that lacks little.
+//! The base parameters are biased by the missing effect, which distorts the residuals. The second look linearises at a
+//! model that lacks little.
 
 use std::collections::BTreeSet;
 
@@ -30,7 +30,7 @@ impl Search {
     /// Searches beside a fitted model.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(crate) fn new(
         evidence: &dyn Evidence,
         (model, base): (&Model, &Fit),
@@ -46,7 +46,7 @@ impl Search {
             let known = best.form.name();
             fitted.extend(self::fitted(evidence, (model, &without), library, &chosen(&again, Some(&known))));
             sort(&mut fitted);
-            // Of a form that was fitted from both looks the better fit counts.
+            // If a form was fitted after both looks, the better fit is kept.
             let mut names = BTreeSet::new();
             fitted.retain(|fitted| names.insert(fitted.form.name()));
         }
@@ -54,16 +54,16 @@ impl Search {
     }
 }
 
-/// A look beside a model with a form, as if it lacked the form; and the fit without it.
+/// Takes a look beside a model with a form, as if it lacked the form; also returns the fit without it.
 ///
 /// # Errors
-/// When the model cannot be simulated.
+/// If the model cannot be simulated.
 pub(crate) fn again(evidence: &dyn Evidence, best: &Fitted) -> Result<(Vec<Looked>, Fit), EvidenceError> {
     let (bases, without) = best.without_form(evidence)?;
     Ok((look(&CrossValidation::by_pass(evidence, &best.fit), &without, bases), without))
 }
 
-/// Fits forms, the best to the end. The one with the least χ² comes first.
+/// Fits forms, the best until convergence. Least χ² first.
 fn fitted(
     evidence: &dyn Evidence,
     (model, base): (&Model, &Fit),
@@ -84,8 +84,8 @@ fn sort(fitted: &mut [Fitted]) {
     fitted.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.form.name().cmp(&b.form.name())));
 }
 
-/// A line of the rate over each variable that has no form among those chosen: beside biased base parameters the first look
-/// may rank the true variable low.
+/// A line of the rate over each variable without a chosen form: with biased base parameters the first look may rank the
+/// true variable low.
 fn lines<'a>(looked: &'a [Looked], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a Basis, &'a Expected)> {
     let is_new = |one: &&Looked| {
         one.basis.action == Action::Rate && chosen.iter().all(|(basis, _)| basis.variable != one.basis.variable)
@@ -94,7 +94,7 @@ fn lines<'a>(looked: &'a [Looked], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a B
     looked.iter().filter(is_new).filter_map(line).collect()
 }
 
-/// The forms that are expected to predict best, a few of each variable, without one that is known.
+/// The forms that are expected to predict best, a few for each variable, without the known one.
 fn chosen<'a>(looked: &'a [Looked], known: Option<&str>) -> Vec<(&'a Basis, &'a Expected)> {
     let mut all: Vec<(&Basis, &Expected)> = Vec::new();
     for one in looked {

@@ -1,4 +1,4 @@
-//! A form added to a model as the effect file that it is, and fitted together with the model.
+//! A form added to a model as its effect file, and fitted jointly.
 
 use effects::{CompiledModel, Library, Model};
 use nalgebra::DVector;
@@ -17,19 +17,19 @@ use crate::evidence::{Evidence, EvidenceError};
 use crate::fit::{Fit, FitOptions};
 use crate::response::shifted;
 
-/// Step along a coordinate of a shape for its derivative.
+/// Finite-difference step of a shape coordinate.
 const SHAPE_STEP: f64 = 0.02;
 
 /// A form that was fitted.
 #[derive(Clone)]
 pub(crate) struct Fitted {
-    /// The form, with the shape that was fitted.
+    /// The form, with the fitted shape.
     pub form: Form,
     /// Its sizes.
     pub sizes: Vec<f64>,
     /// The fit of model and form.
     pub fit: Fit,
-    /// Log density that the choice of its shape costs; negative or 0.
+    /// Log density lost by the choice of its shape; negative or 0.
     pub choice: f64,
     /// The model with the form.
     model: Model,
@@ -38,7 +38,7 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Fits a form quickly, from what the first look expects; `None` where it cannot be simulated.
+    /// Fits a form quickly from the expectation of the first look; `None` if it cannot be simulated.
     pub(crate) fn new(
         evidence: &dyn Evidence,
         (model, base): (&Model, &Fit),
@@ -76,8 +76,8 @@ impl Fitted {
         )
     }
 
-    /// The fit continued, and restarted from the base fit's starting values where it stays poor: the base parameters may be far
-    /// off.
+    /// Continues the fit, and restarts it from the base fit's starting values where it stays poor: the base parameters
+    /// may be far off.
     pub(crate) fn fitted_further(self, evidence: &dyn Evidence, base: &Fit) -> Self {
         let end = FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
         let fitted = self.refined(evidence, end);
@@ -91,11 +91,11 @@ impl Fitted {
         }
     }
 
-    /// Hat functions over all variables beside this model, and its fit as if it lacked the form: residuals and derivatives at
-    /// base parameters that no longer compensate for the form.
+    /// Hat functions over all variables beside this model, and its fit as if it lacked the form: residuals and
+    /// derivatives at base parameters that no longer compensate for the form.
     ///
     /// # Errors
-    /// When the model cannot be simulated.
+    /// If the model cannot be simulated.
     pub(crate) fn without_form(&self, evidence: &dyn Evidence) -> Result<(Vec<Basis>, Fit), EvidenceError> {
         let bases = evidence.bases((&self.model, &self.fit), &self.library)?;
         let mut fit = self.fit.clone();
@@ -124,15 +124,15 @@ impl Fitted {
         Self { fit: self.fit.refined(evidence, options), ..self }.read()
     }
 
-    /// Takes sizes and shape from the fit.
+    /// Reads sizes and shape from the fit.
     fn read(mut self) -> Self {
         self.sizes = self.form.read(&self.fit.model);
         self
     }
 }
 
-/// Starting values of a fit: the form at its expected size and at multiples of it, because a biased base fit hides most of
-/// it; each at the base fit's optimum and at its starting values.
+/// Starting values of a fit: the form at its expected size and at multiples of it, because a biased base fit hides most
+/// of it; each at the base fit's optimum and at its starting values.
 fn starts(model: &CompiledModel, base: &Fit, expected: &Expected) -> Vec<CompiledModel> {
     let moved = shifted(model.clone(), base, &expected.shift);
     let back: Vec<f64> = base.begun.iter().zip(&base.at).map(|(begun, at)| begun - at).collect();
@@ -154,8 +154,8 @@ fn starts(model: &CompiledModel, base: &Fit, expected: &Expected) -> Vec<Compile
     scales.flat_map(|scale| places.each_ref().map(|place| scaled(scale, place))).collect()
 }
 
-/// Derivative of the whitened residuals along a coordinate of a form, from the hat functions over its variable; `None` for a
-/// parameter of another owner.
+/// Derivative of the whitened residuals along a coordinate of a form, from the hat functions over its variable; `None`
+/// for a parameter of another owner.
 fn slope((basis, expected): (&Basis, &Expected), coordinate: &Coordinate, value: f64) -> Option<DVector<f64>> {
     let (form, name) = (&expected.form, &coordinate.slot.parameter);
     let at = coordinate.clamped(coordinate.from_value(value));

@@ -1,36 +1,36 @@
-//! Variables on which an unlisted effect may depend: formulas of the effect language, so that the search and the effect file
-//! mean the same.
+//! Variables on which an unlisted effect may depend, as formulas of the effect language: search and effect file share
+//! them.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use effects::Unit;
 
-/// Something that the simulator knows of a place while it is worked on, or that a column of the files measures.
+/// A quantity that the simulator knows at a place while it is worked on, or that a column of the files measures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Variable {
     /// Name in files.
     pub name: Cow<'static, str>,
     /// Its formula.
     pub formula: Cow<'static, str>,
-    /// State of the tool that the formula reads, as text of an effect file; empty where there is none.
+    /// Text of the tool state that the formula reads, for the effect file; empty if there is none.
     pub state: Cow<'static, str>,
     /// Its unit in files.
     pub unit: Cow<'static, str>,
-    /// Where it has one value.
+    /// Scope of one value.
     pub scope: Scope,
-    /// For people, after "the".
+    /// Display name, after "the".
     pub about: Cow<'static, str>,
 }
 
-/// Where a variable has one value at a time.
+/// Scope over which a variable has one value at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// On the whole tool, and it changes in the course of a pass.
+    /// The whole tool; the value changes during a pass.
     Tool,
-    /// At a place on the part.
+    /// A place on the part.
     Part,
-    /// At a place on the tool's face.
+    /// A place on the tool's face.
     Face,
     /// Anything else.
     Other,
@@ -84,7 +84,7 @@ const WARMTH: &str = "[state.warmth]\nper = \"tool\"\nunit = \"W\"\ntarget = \"f
 const SLOW_WARMTH: &str = "[state.slow_warmth]\nper = \"tool\"\nunit = \"W\"\ntarget = \"force * sliding_speed\"\n\
     time = \"20 s\"\nreset = \"fresh_tool\"\n";
 
-/// Those that the simulator knows in every campaign.
+/// Variables that the simulator knows in every campaign.
 pub(crate) fn known() -> Vec<Arc<Variable>> {
     VARIABLES.iter().cloned().map(Arc::new).collect()
 }
