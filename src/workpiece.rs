@@ -302,7 +302,7 @@ fn describe_volume(mesh: &Mesh, field: &BrickGrid) -> Option<String> {
     }
     Some(format!(
         "the field holds {:.1} % of the volume that the triangles enclose: bodies overlap, the surface is open, or walls are \
-         thinner than a voxel; a finer --resolution tells",
+         thinner than a voxel; a finer --resolution shows which",
         100.0 * share
     ))
 }

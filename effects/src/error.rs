@@ -28,7 +28,7 @@ pub enum Problem {
     #[error("this is not TOML: {0}")]
     Toml(String),
     /// A key without meaning here.
-    #[error("{found} means nothing here; accepted are {accepted}")]
+    #[error("unknown key {found}; accepted are {accepted}")]
     UnknownKey {
         /// The key.
         found: String,
@@ -75,7 +75,7 @@ pub enum Problem {
         expected: String,
     },
     /// Definitions that depend on each other in a circle.
-    #[error("the definitions need each other in a circle: {0}")]
+    #[error("circular definitions: {0}")]
     Cycle(String),
     /// A formula that is not finite at the null value.
     #[error("at the null value the formula gives {result}: {cause}; with {inputs}")]
@@ -118,7 +118,7 @@ pub enum RunError {
     #[error(transparent)]
     Result(Box<BadResult>),
     /// An input from the simulator that is not finite.
-    #[error("the simulator hands {value} as {variable} to the hook {place}, lane {lane}")]
+    #[error("the simulation gives {variable} = {value} at the hook {place}, lane {lane}; a finite number is expected")]
     Input {
         /// The variable.
         variable: String,

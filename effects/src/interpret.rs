@@ -157,7 +157,7 @@ fn fault_of(op: Op, [a, b, _]: [f64; 3], result: f64) -> Option<&'static str> {
         Op::Log if a <= 0.0 => Some("logarithm of zero or a negative number"),
         Op::Pow if a < 0.0 => Some("power of a negative number"),
         Op::Pow if a == 0.0 && b < 0.0 => Some("negative power of zero"),
-        _ if result.is_nan() => Some("no number comes out"),
+        _ if result.is_nan() => Some("the result is not a number"),
         _ if result.is_infinite() && a.is_finite() && b.is_finite() => Some("the result is too large"),
         _ => None,
     }

@@ -23,7 +23,7 @@ pub struct Unit {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UnitError {
     /// An unknown name.
-    #[error("`{0}` is no unit; known are {known}, alone or with a prefix n, u, m, c, k, M, G", known = known())]
+    #[error("unknown unit `{0}`; known are {known}, alone or with a prefix n, u, m, c, k, M, G", known = known())]
     Unknown(String),
     /// Text not of the form `name^n name/(name name)`.
     #[error(

@@ -166,13 +166,13 @@ variables! {
     LiftSpeed "lift_speed" ["m/s"] Step PROCESS, -0.01..0.01, "speed of the tool along its approach axis, away from the workpiece";
     LiftAcceleration "lift_acceleration" ["m/s^2"] Step PROCESS, -1.0..1.0, "change of lift_speed per time";
     Force "force" ["N"] Step PROCESS, 0.0..60.0, "true normal force of the previous step; of this step for states";
-    ForceSetpoint "force_setpoint" ["N"] Step PROCESS, 1.0..60.0, "force that the controller shall hold";
+    ForceSetpoint "force_setpoint" ["N"] Step PROCESS, 1.0..60.0, "force setpoint of the controller";
     ContactArea "contact_area" ["m^2"] Step PROCESS, 0.0..1e-3, "area of the contact patch, as force";
     PressureMean "pressure_mean" ["Pa"] Step PROCESS, 0.0..5e6, "force per contact area, as force";
     PatchWidth "patch_width" ["m"] Step PROCESS, 0.0..0.02, "extent of the contact patch across the tool (y), as force";
     RemovalRate "removal_rate" ["m^3/s"] Step PROCESS, 0.0..5e-8, "ground volume per time, as force";
     DoseVolumeRate "dose_volume_rate" ["m^3/s"] Step PROCESS, 0.0..5e-8, "volume of coating removed per time, as force";
-    SpindleSetpoint "spindle_setpoint" ["rad/s"] Step PROCESS, -1000.0..1000.0, "speed that the spindle shall hold, or was logged";
+    SpindleSetpoint "spindle_setpoint" ["rad/s"] Step PROCESS, -1000.0..1000.0, "set or logged spindle speed";
     SpindleSpeed "spindle_speed" ["rad/s"] Step PROCESS, -1000.0..1000.0, "speed of the spindle";
     SlidingSpeed "sliding_speed" ["m/s"] Step PROCESS, 0.0..60.0, "speed of the tool's rim, spindle_speed times tool_radius";
     ToolRadius "tool_radius" ["m"] Step PROCESS, 0.005..0.1, "radius of the wheel or the pad";
@@ -213,10 +213,10 @@ variables! {
     Pitch "pitch" ["rad"] Step &[Pose], -0.03..0.03, "turn of the tool about its y, right-handed";
     Gap "gap" ["m"] Cell &[Shape], -1e-4..1e-4, "distance added between tool and workpiece";
     Pressure "pressure" ["Pa"] Cell &[Pressure, Rate, Dose, WorkpieceCell, ToolCell], 0.0..5e6, "contact pressure";
-    ForceReading "force_reading" ["N"] Step &[Force], 0.0..60.0, "force that the controller believes";
+    ForceReading "force_reading" ["N"] Step &[Force], 0.0..60.0, "force reading of the controller";
     Rate "rate" ["m/s"] Cell &[Rate, WorkpieceCell, ToolCell], 0.0..5e-3, "recession speed along the surface's normal";
     DoseRate "dose_rate" ["1/s"] Cell &[Dose, WorkpieceCell, ToolCell], 0.0..10.0, "change of dose per time";
-    Height "height" ["m"] Pixel &[Height], -1e-3..5e-3, "height that the scanner sees";
+    Height "height" ["m"] Pixel &[Height], -1e-3..5e-3, "height that the scanner measures";
     ExposureThreshold "exposure_threshold" ["1"] Step &[Exposure], 0.5..1.5, "dose from which the scanner calls the substrate exposed; 1 for a perfect one";
 }
 

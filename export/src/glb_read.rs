@@ -33,7 +33,10 @@ pub enum GlbReadError {
     #[error("the file holds no geometry")]
     NoGeometry,
     /// The root node does not rotate z-up into y-up.
-    #[error("the scene has no root node that turns z-up into y-up, so positions cannot be told to be in metres, z up")]
+    #[error(
+        "the scene has no root node that turns z-up into y-up, so it is unknown whether positions are in metres \
+        with z up"
+    )]
     NotTurned,
     /// A required attribute is missing or has another type.
     #[error("mesh \"{mesh}\": {attribute} is missing, of another type, or reaches beyond the file")]

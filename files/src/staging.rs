@@ -184,7 +184,7 @@ fn sweep(target: &Path) -> Result<(), FileError> {
         match target.symlink_metadata() {
             Ok(_) => remove(&place),
             Err(_) => fs::rename(&place, target)
-                .map_err(FileError::at(&place, "cannot put back what a killed run had moved away"))?,
+                .map_err(FileError::at(&place, "cannot restore what a killed run had moved away"))?,
         }
     }
     Ok(())

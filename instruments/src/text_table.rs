@@ -57,7 +57,7 @@ impl<'a> TextTable<'a> {
             return Err(Place::file(file).bad("the file is empty", ACCEPTED));
         }
         if let Some(at) = text.iter().position(|&c| c == 0) {
-            return Err(Place::file(file).bad(format!("byte {at} is zero, which no text has"), ACCEPTED));
+            return Err(Place::file(file).bad(format!("byte {at} is zero, which text cannot contain"), ACCEPTED));
         }
         let (separator, decimal_comma) = sniff(&text);
         match separator {
@@ -189,7 +189,7 @@ impl TextRow<'_> {
             Err(_) => "?".parse(),
         };
         parsed.map(Some).map_err(|_| {
-            let found = format!("{} is no number", self.shown(column));
+            let found = format!("{} is not a number", self.shown(column));
             self.place(column).bad(found, "a number with a decimal point, or an empty cell where nothing was measured")
         })
     }

@@ -107,10 +107,10 @@ fn what_a_machine_does_not_do_here_is_refused_by_its_line() {
         ("G21\nG0 X1\nG1 X#1\n", "line 3: the word X"),
         ("G21\nG0 X1\nM98 P100\n", "line 3: M98"),
         ("G21\nG1 X1 A90\n", "line 2: the word A90"),
-        ("G21\nX1 Y2\n", "line 2: a place without G0"),
+        ("G21\nX1 Y2\n", "line 2: a position without G0"),
         ("G21\nG2 X1 I1\n", "line 2: an arc whose start"),
         ("G21\nG0 X0\nG2 X1 I2\n", "line 3: an arc of"),
-        ("G54\nG0 X0\nG55 X1\n", "line 3: the work offset G55"),
+        ("G54\nG0 X0\nG55 X1\n", "line 3: a second work offset G55"),
     ] {
         assert!(refusal(text).contains(wanted), "{text}: {}", refusal(text));
     }

@@ -91,7 +91,7 @@ fn a_trace_names_no_file_elsewhere() {
     let file = folder.path().join("trace.dat");
     let refusal = |text: &str| read(&file, text.as_bytes()).expect_err("refused").to_string();
     assert!(refusal(&header.replace("211,trace.r64", "211,../trace.r64")).contains("line 15: "));
-    assert!(refusal(&header.replace("211,trace.r64", "211,other.r64")).contains("not beside it"));
+    assert!(refusal(&header.replace("211,trace.r64", "211,other.r64")).contains("outside this folder"));
     assert!(refusal(&header.replace("221,2", "221,3")).contains("values within the file are expected"));
     assert!(refusal(&header.replace("REAL64", "REAL48")).contains("the key 214"));
     assert!(refusal(&header.replace("220,30\r\n221,2", "220,29\r\n221,2")).contains("channels of one length"));

@@ -124,8 +124,12 @@ fn a_grid_with_blanks_and_comments() {
 #[test]
 fn errors_name_the_place() {
     for (name, text, words) in [
-        ("a.xyz", "0 0 1\n1 0 2\n0 1 3\n1 1 4\n".repeat(20) + "1 1 word\n", "line 81, column 3: \"word\" is no number"),
-        ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3 x\n".to_owned(), "line 4: \"x\" is no number"),
+        (
+            "a.xyz",
+            "0 0 1\n1 0 2\n0 1 3\n1 1 4\n".repeat(20) + "1 1 word\n",
+            "line 81, column 3: \"word\" is not a number",
+        ),
+        ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3 x\n".to_owned(), "line 4: \"x\" is not a number"),
         ("a.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2 3\n".to_owned(), "3 heights where 2 x 2 are stated"),
         ("a.sdf", "aISO-1.0\nNumPoints = 2\n*\n".to_owned(), "no numprofiles in the header"),
     ] {

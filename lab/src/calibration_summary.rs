@@ -159,11 +159,10 @@ fn correlations(fit: &Fit) -> Vec<Correlation> {
 fn remark(parameter: &ParameterSummary) -> Option<String> {
     let note = parameter.state.words()?;
     Some(match parameter.interval {
-        None => format!("{} is {note}: any value of its range describes them about as well", parameter.name),
-        Some(_) => format!(
-            "{} is {note}, {} {}: the data would take it farther",
-            parameter.name, parameter.value, parameter.unit
-        ),
+        None => format!("{} is {note}: any value of its range fits about equally well", parameter.name),
+        Some(_) => {
+            format!("{} is {note}, {} {}: the best fit may lie beyond", parameter.name, parameter.value, parameter.unit)
+        }
     })
 }
 
@@ -171,7 +170,8 @@ fn in_words(correlation: &Correlation) -> Option<String> {
     let (value, [one, other]) =
         (correlation.value.filter(|value| value.abs() >= STRONG_CORRELATION)?, &correlation.between);
     Some(format!(
-        "{one} and {other} go together (correlation {value:+.2}): the data fix one combination of them far better than either"
+        "{one} and {other} are correlated ({value:+.2}): the data determine one combination of them far better than \
+         either"
     ))
 }
 
@@ -188,8 +188,8 @@ fn lost(totals: &[Vec<Total>; 2]) -> String {
         100.0 * (predicted / measured - 1.0)
     });
     format!(
-        "staged order: what was removed in all was off by {first:+.2} % when the rate had been fitted to it, and is off by {second:+.2} % \
-         after the other parameters were fitted to the profiles"
+        "staged order: the total removal was off by {first:+.2} % after the fit of the rate, and is off by \
+         {second:+.2} % after the other parameters were fitted to the profiles"
     )
 }
 

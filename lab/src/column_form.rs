@@ -113,7 +113,7 @@ impl ColumnForm {
             Self::Power => {
                 let exponent = size("exponent")?;
                 let (shown, interval) = (significant(exponent.value), interval(exponent, 1.0, ""));
-                format!("The rate goes with the power {shown} of column {column:?}{interval}.")
+                format!("The rate scales with the power {shown} of column {column:?}{interval}.")
             }
             Self::Floor => {
                 let (amount, scale) = (size("amount")?, size("scale")?);

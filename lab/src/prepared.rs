@@ -129,7 +129,8 @@ impl<'a> Surface<'a> {
     fn no_noise(&self, side: usize) -> String {
         let (nx, ny) = TileGrid { pixels: self.noise.left.pixels, side }.shape();
         format!(
-            "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes give no noise"
+            "the repeated scan shares too few pixels with the scan before: {nx} by {ny} tiles with holes are too few \
+             for a noise estimate"
         )
     }
 }
@@ -162,14 +163,15 @@ fn untouched_words(trial: &Trial, path: &ToolPath) -> String {
     let clearance = 1e3 * CLEARANCE;
     match least_gap(&trial.tool, path, &trial.scans.before) {
         Some(gap) if gap > CLEARANCE => format!(
-            "by its log the tool stays {:.2} mm or more above the scan `before`, and {clearance} mm count as contact: is the \
+            "according to its log, the tool stays {:.2} mm or more above the scan `before`, and {clearance} mm count \
+             as contact: is the \
              zero of z_mm off, or radius_mm?",
             1e3 * gap
         ),
         Some(_) => {
             "the tool touched no part of the surface that all scans show: are too many pixels missing there?".into()
         }
-        None => "by its log the tool never was over the scan `before`: is origin_mm off?".into(),
+        None => "according to its log, the tool never was over the scan `before`: is origin_mm off?".into(),
     }
 }
 

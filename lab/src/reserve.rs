@@ -39,7 +39,7 @@ impl Reserve {
             Self::EachItsOwn => {
                 "it has a value for each pass, so that it describes what happened and does not explain it"
             }
-            Self::Undetermined => "these data do not fix its size, or allow that it does nothing",
+            Self::Undetermined => "these data do not determine its size, or are compatible with its absence",
         }
     }
 }

@@ -16,8 +16,8 @@ fn hint_words((hint, least): (&Finding, f64), diagnosis: &Diagnosis, unit: Error
     let [size, least] = [hint.size, least].map(|size| significant(size * unit.per_one()));
     let symbol = unit.symbol();
     format!(
-        "{name} shows, but is too small to be named: {}. It changes {size} {symbol}, and from {least} {symbol} on it would \
-         be named: passes in which it is that much stronger would make sure.",
+        "{name} is visible, but too small to be named: {}. It changes {size} {symbol}, and {least} {symbol} would \
+         suffice to name it: passes in which it is that much stronger would decide.",
         values.join("; ")
     )
 }
@@ -45,8 +45,8 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
         Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
         Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
         Verdict::NotTestable if diagnosis.misses_held_out() => {
-            "The calibration passes show nothing that is missing, but the model misses the held-out passes: passes that \
-             differ as much must calibrate it."
+            "The calibration passes show nothing missing, but the model misses the held-out passes: calibrate it with \
+             passes that vary as much."
                 .to_owned()
         }
         Verdict::NotTestable => "These data cannot show most effects: nothing can be said.".to_owned(),

@@ -33,7 +33,8 @@ pub(super) fn row_noise(table: &Table, rows: &[usize]) -> RowNoise {
         }
     }
     let least = found.into_iter().flatten().min_by(|a, b| a.0.sigma.total_cmp(&b.0.sigma));
-    let (found, how) = least.unwrap_or_else(|| (declared.scatter(), "the scatter of all, for want of rows".to_owned()));
+    let (found, how) =
+        least.unwrap_or_else(|| (declared.scatter(), "the scatter of all rows, as too few repeat".to_owned()));
     let sigma = found.sigma.max(ROW_NOISE_LEAST);
     let limit = sigma * found.limit(rows.len());
     RowNoise { sigma, limit, how: format!("noise of a row: {:.2} %, from {how}", 100.0 * sigma) }

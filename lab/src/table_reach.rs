@@ -27,7 +27,7 @@ impl RowEvidence<'_> {
         match self.shape(&without, &typical) {
             (change, _) if change < PREDICTION_CHANGE_LEAST => Err("changes nothing in these rows".to_owned()),
             (_, shape) if shape < PREDICTION_CHANGE_LEAST => {
-                Err("moves all rows alike: it cannot be told from the rate constant".to_owned())
+                Err("moves all rows alike: it cannot be distinguished from the rate constant".to_owned())
             }
             _ => Ok(()),
         }
@@ -137,7 +137,7 @@ impl RowEvidence<'_> {
             ));
         }
         if table.groups.len() > 1 {
-            notes.push(format!("each of the {} groups has a gain of its own, free in every fit", table.groups.len()));
+            notes.push(format!("each of the {} groups has its own gain, free in every fit", table.groups.len()));
         }
         notes.extend(self.measured_states());
         notes

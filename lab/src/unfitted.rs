@@ -35,11 +35,12 @@ impl Round {
 fn reason(rank: usize, screened: &Screened) -> String {
     let delta_chi2 = screened.delta_chi2;
     if delta_chi2 <= FITTED_DELTA_CHI2 {
-        return format!("no fall of χ²: the first look promises {delta_chi2:.1}, and {FITTED_DELTA_CHI2} are needed");
+        return format!("no fall of χ²: the first look predicts {delta_chi2:.1}, and {FITTED_DELTA_CHI2} are needed");
     }
     if rank >= EFFECTS_FITTED {
         return format!(
-            "not fitted: a fall of χ² by {delta_chi2:.1} at first look, and {EFFECTS_FITTED} others promise more"
+            "not fitted: a fall of χ² by {delta_chi2:.1} at first look, and {EFFECTS_FITTED} others are predicted to \
+             give more"
         );
     }
     "no fall of χ²: no fit of it is better than the model without it".to_owned()

@@ -54,10 +54,10 @@ impl Pattern {
     /// Description in a few words, as help texts print it.
     pub fn about(self) -> &'static str {
         match self {
-            Self::AlongX => "Lines along x, to and fro",
-            Self::AlongY => "Lines along y, to and fro",
-            Self::Diagonal => "Lines under 45°, to and fro",
-            Self::Spiral => "Round and round, from the border to the middle",
+            Self::AlongX => "Lines along x, back and forth",
+            Self::AlongY => "Lines along y, back and forth",
+            Self::Diagonal => "Lines at 45°, back and forth",
+            Self::Spiral => "A spiral from the border to the middle",
             Self::Frame => "Once along the border",
             Self::Spots => "Small circles on spots apart from each other",
         }

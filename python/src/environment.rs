@@ -81,7 +81,7 @@ fn weld_of(workpiece: &Workpiece, number: usize) -> PyResult<(WeldFacts, Vec<(DV
 }
 
 fn target_of(workpiece: &Workpiece) -> PyResult<&sdf_bake::BrickGrid> {
-    workpiece.target.as_deref().ok_or_else(|| refused("the workpiece has no target; one of `weld` or an asset has"))
+    workpiece.target.as_deref().ok_or_else(|| refused("the workpiece has no target; `weld` and assets give one"))
 }
 
 /// Many environments, stepped together on several threads.
@@ -230,7 +230,7 @@ fn batch(inner: &mut Mutex<environments::Batch>) -> &mut environments::Batch {
 fn environment(batch: &environments::Batch, number: usize) -> PyResult<&environments::Environment> {
     let count = batch.environments().len();
     let found = batch.environments().get(number);
-    found.ok_or_else(|| refused(format!("environment {number} is asked for, and there are {count}")))
+    found.ok_or_else(|| refused(format!("there is no environment {number}; the batch has {count}")))
 }
 
 fn observation_of(name: &str) -> PyResult<Observation> {

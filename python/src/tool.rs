@@ -25,7 +25,7 @@ impl Tool {
     fn new(text: &str) -> PyResult<Self> {
         match text.parse::<ToolText>().map_err(refused)? {
             ToolText::Solid(inner) => Ok(Self { inner, text: text.to_owned() }),
-            ToolText::Mesh(_) => Err(refused("a tool from a mesh file is known to `robofin press` only")),
+            ToolText::Mesh(_) => Err(refused("only `robofin press` accepts a tool from a mesh file")),
         }
     }
 

@@ -61,7 +61,7 @@ impl Workpiece {
     /// Returns a weld by its number, from 0.
     pub fn weld_at(&self, number: usize) -> PyResult<&WeldTruth> {
         let count = self.welds.len();
-        self.welds.get(number).ok_or_else(|| refused(format!("weld {number} is asked for, and there are {count}")))
+        self.welds.get(number).ok_or_else(|| refused(format!("there is no weld {number}; the workpiece has {count}")))
     }
 }
 

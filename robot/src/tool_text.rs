@@ -41,11 +41,12 @@ fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], Strin
     let mut found = [None; N];
     for part in text.split(',').filter(|part| !part.is_empty()) {
         let (name, value) =
-            part.split_once('=').ok_or_else(|| format!("`{part}` is no size such as {}=10mm", names[0]))?;
+            part.split_once('=').ok_or_else(|| format!("`{part}` is not a size such as {}=10mm", names[0]))?;
         let index = names.iter().position(|known| *known == name.trim());
-        let index = index.ok_or_else(|| format!("`{name}` is no size of it, it has {}", names.join(" and ")))?;
+        let index = index.ok_or_else(|| format!("it has no size `{name}`; accepted are {}", names.join(" and ")))?;
         found[index] = Some(
-            length(value.trim()).ok_or_else(|| format!("`{value}` is no length such as 20mm, from 0.01 mm to 10 m"))?,
+            length(value.trim())
+                .ok_or_else(|| format!("`{value}` is not a length from 0.01 mm to 10 m, such as 20mm"))?,
         );
     }
     let mut sizes = [0.0; N];

@@ -281,5 +281,5 @@ fn what_is_no_level_set_of_these_bricks_is_refused_by_name() {
     moved.translation.x = 0.1;
     assert!(message(moved.to_bricks().unwrap_err()).contains("moved by [0.1, 0, 0] m"));
     let (mut other, _) = ball(5.0);
-    assert!(message(file.grids[1].attach_labels(&mut other).unwrap_err()).contains("where no brick is"));
+    assert!(message(file.grids[1].attach_labels(&mut other).unwrap_err()).contains("outside all bricks"));
 }

@@ -88,7 +88,7 @@ fn offsets_and_counts_out_of_range_are_named() {
     };
     says(16, &u64::MAX.to_le_bytes(), "inside a grid");
     says(24, &u64::MAX.to_le_bytes(), "truncated");
-    says(PHI + 32, &1u64.to_le_bytes(), "its head says 1 bytes");
+    says(PHI + 32, &1u64.to_le_bytes(), "its header states 1 bytes");
     says(TREE + 24, &(1u64 << 40).to_le_bytes(), "the root");
     says(TREE + 24, &65u64.to_le_bytes(), "not at a multiple of 32");
     says(TREE + 32, &u32::MAX.to_le_bytes(), "4294967295 leaves");

@@ -249,8 +249,10 @@ fn a_bad_file_is_answered_with_what_was_found_and_what_is_accepted() {
     assert!(message("v 0 0 0\nv 1 0 0\n", Format::Obj).contains("no faces"));
     assert!(message("solid x\nendsolid x\n", Format::Stl).contains("no faces"));
     assert!(message(text.replace("f 1 3 4", "f 1 3 99"), Format::Obj).contains("1 to 8 are accepted"));
-    assert!(message(text.replace("v 1 0 0", "v 1 zero 0"), Format::Obj).contains("line 2: `v 1 zero 0` is no vertex"));
-    assert!(message(text.replace("f 1 3 4", "f 1 x 4"), Format::Obj).contains("is no face"));
+    assert!(
+        message(text.replace("v 1 0 0", "v 1 zero 0"), Format::Obj).contains("line 2: `v 1 zero 0` is not a vertex")
+    );
+    assert!(message(text.replace("f 1 3 4", "f 1 x 4"), Format::Obj).contains("is not a face"));
 
     let whole = cube_glb("");
     let cut = message(&whole[..whole.len() - 40], Format::Gltf);
@@ -316,7 +318,7 @@ fn lines_of_an_ascii_stl_that_are_none_of_its_own_are_mentioned() {
     assert_eq!(parse(&text, Format::Stl).expect("a cube").notes, Vec::<String>::new());
     let file = parse(format!("{}\nGARBAGE 1 2 3\nmore of it\n", text.trim_end()), Format::Stl).expect("a cube");
     let first = text.trim_end().lines().count() + 1;
-    assert_eq!(file.notes, [format!("left out 2 lines that are no STL, the first of them line {first}")]);
+    assert_eq!(file.notes, [format!("left out 2 lines that are not STL, the first of them line {first}")]);
 }
 
 #[test]

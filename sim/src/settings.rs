@@ -163,7 +163,8 @@ pub enum PassError {
     },
     /// The tool touched, but reached the setpoint nowhere on its path.
     #[error(
-        "the tool touches but does not meet {setpoint} N within {} mm below its path: a stiffer contact, a smaller force \
+        "the tool touches, but the force does not reach {setpoint} N within {} mm below its path: a stiffer contact, a \
+         smaller force \
          or a larger search_reach is accepted", .reach * 1e3
     )]
     TooSoft {
@@ -173,7 +174,7 @@ pub enum PassError {
         reach: f64,
     },
     /// More steps than the settings allow.
-    #[error("given up at {time:.4} s of the pass: {most} steps are allowed")]
+    #[error("stopped at {time:.4} s of the pass: {most} steps are allowed")]
     TooManySteps {
         /// Time in the pass [s].
         time: f64,

@@ -49,7 +49,7 @@ impl Marker for CacheMarker {
     const FILE: &'static str = MARKER_FILE;
     const FORMAT: &'static str = CACHE_FORMAT;
     const FOLDERS: &'static [&'static str] = &[""];
-    const CONTINUED: &'static str = "--resume to go on with it, --force to bake all of it again";
+    const CONTINUED: &'static str = "--resume to continue it, --force to bake all of it again";
 
     fn format(&self) -> &str {
         &self.format

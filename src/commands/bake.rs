@@ -33,7 +33,7 @@ pub(super) struct BakeArgs {
     meshes: Vec<PathBuf>,
     #[command(flatten)]
     out: OutFlags,
-    /// Go on with the folder of an earlier run: what is complete there is not baked again.
+    /// Continue in the folder of an earlier run: what is complete there is not baked again.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Meshes at once in a folder; the results do not depend on it, and neither does the limit of memory for fields.

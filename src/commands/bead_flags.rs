@@ -86,7 +86,7 @@ pub(super) struct BeadFlags {
         help_heading = FORM
     )]
     weave_mm: Option<f64>,
-    /// Length of one swing to and fro [mm].
+    /// Length of one weaving period [mm].
     #[arg(
         long,
         value_name = "MM",

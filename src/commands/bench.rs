@@ -43,7 +43,7 @@ enum Action {
     #[command(after_help = "Examples:\n  robofin bench diagnose --out out/bench --cases 4\n  \
                             robofin bench diagnose --out out/bench --cases 60 --limit 100 --seed 7\n  \
                             robofin bench diagnose --out out/bench --families N,S --cases 20 --json\n\n\
-                            A folder that holds finished cases is gone on with.")]
+                            Finished cases in the folder are kept, and the others are run.")]
     Diagnose(DiagnoseArgs),
 }
 
@@ -59,7 +59,7 @@ struct DiagnoseArgs {
     /// Cases of each family.
     #[arg(long, value_name = "N", default_value_t = 8, allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
     cases: usize,
-    /// Only so many of all these cases, drawn evenly from each family.
+    /// At most this many of all these cases, drawn evenly from each family.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
     limit: Option<usize>,
     /// Seed of workpieces, laws, noise and paths, and of the draw of --limit.
@@ -181,5 +181,5 @@ fn read<T: DeserializeOwned>(file: &Path) -> Result<Option<T>> {
     if file.symlink_metadata().is_err() {
         return Ok(None);
     }
-    read_json(file, "a result of this benchmark").context("remove it to have the case made again").map(Some)
+    read_json(file, "a result of this benchmark").context("remove it to run the case again").map(Some)
 }

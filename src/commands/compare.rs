@@ -47,7 +47,7 @@ pub(super) struct CompareArgs {
     /// Section through all scans: across the bead at an x, such as x=20mm, or along it at a y; may be repeated.
     #[arg(long = "section", value_name = "x=MM", value_parser = parse_section)]
     pub(super) sections: Vec<Direction>,
-    /// Seed of the draws that tell structure from chance.
+    /// Seed of the permutations in tests for structure.
     #[arg(
         long,
         value_name = "N",

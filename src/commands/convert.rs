@@ -27,7 +27,7 @@ pub(super) struct ConvertArgs {
     /// A scan in any format, or a program: G-code, KRL (.src), RAPID, URScript or a list of poses.
     input: PathBuf,
     /// File to make: a scan as .sur, .x3p or .asc; a program as .csv, a path as `robofin path` writes it, or as .nc,
-    /// .src, .mod, .script or .pose [default: only tell what is in the input].
+    /// .src, .mod, .script or .pose [default: only report what is in the input].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Force setpoint of the moves of a program that have a speed of their own [N].
@@ -53,7 +53,7 @@ struct ConvertAnswer<'a> {
 /// Runs the verb.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
     if let Some(out) = args.out.as_ref().filter(|out| out.exists()) {
-        let what = "this file is there, and nothing is replaced";
+        let what = "this file exists and is not replaced";
         return Err(wrong_use(format!("--out {}: {what}: choose another name", out.display())));
     }
     let bytes = input::read(&args.input, MOST_MESH_BYTES)?;

@@ -73,7 +73,7 @@ pub(super) struct DatasetArgs {
         help_heading = ITEMS
     )]
     item: Option<u32>,
-    /// At most so many items, every part once before any twice; shards share them.
+    /// At most this many items, every part once before any twice; shards share them.
     #[arg(
         long,
         value_name = "K",
@@ -94,10 +94,10 @@ pub(super) struct DatasetArgs {
         help_heading = RUNS
     )]
     jobs: Option<usize>,
-    /// Go on with the data set of an earlier run: what is complete there is not made again, what failed is tried again.
+    /// Continue the data set of an earlier run: what is complete there is not made again, what failed is tried again.
     #[arg(long, help_heading = RUNS)]
     resume: bool,
-    /// Say what would be made, and make nothing.
+    /// Print what would be made, and make nothing.
     #[arg(long, help_heading = RUNS)]
     dry_run: bool,
     #[command(flatten)]

@@ -72,7 +72,7 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     placements: u32,
-    /// Ways of the sanding pad [default: all].
+    /// Paths of the sanding pad [default: all].
     #[arg(
         long,
         value_name = "NAME,...",
@@ -81,7 +81,7 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     patterns: Vec<Pattern>,
-    /// Equal parts of each way, with an image after each.
+    /// Equal parts of each path, with an image after each.
     #[arg(
         long,
         value_name = "N",
@@ -104,8 +104,8 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     voxel_mm: f64,
-    /// At most so many images, with every state of the coating, workpiece, placement and split in its share of the set;
-    /// a larger limit with --resume adds to those that are there.
+    /// At most this many images, with every state of the coating, workpiece, placement and split in its share of the
+    /// set; a larger limit with --resume adds to those that are there.
     #[arg(
         long,
         value_name = "K",
@@ -126,10 +126,10 @@ pub(super) struct ImagesArgs {
         help_heading = RUNS
     )]
     jobs: Option<usize>,
-    /// Go on with the set of an earlier run: what is complete there is not made again, what failed is tried again.
+    /// Continue the set of an earlier run: what is complete there is not made again, what failed is tried again.
     #[arg(long, help_heading = RUNS)]
     resume: bool,
-    /// Say what would be made, and make nothing.
+    /// Print what would be made, and make nothing.
     #[arg(long, help_heading = RUNS)]
     dry_run: bool,
     #[command(flatten)]
@@ -210,7 +210,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     match failed {
         0 => Ok(()),
         failed => bail!(
-            "{failed} things failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
+            "{failed} tasks failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
             args.out.display()
         ),
     }
@@ -257,7 +257,7 @@ impl ImagesArgs {
         };
         if Task::named(recipe, id).is_none() {
             let example = recipe.images().pop().map_or(String::new(), |image| image.id);
-            return Err(wrong_use(format!("--only {id}: nothing of this set; images are named like {example}")));
+            return Err(wrong_use(format!("--only {id}: not part of this set; images are named like {example}")));
         }
         Ok(Task::chosen(recipe, &BTreeSet::from([id.clone()])))
     }
@@ -272,6 +272,6 @@ fn rehearse(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -
         console.answer_line(&PlanAnswer { task: task.id(), is_there })?;
     }
     let all: usize = steps.iter().map(Vec::len).sum();
-    console.step("dry run", format!("{missing} things would be made, {} are there", all - missing));
+    console.step("dry run", format!("{missing} tasks would be done, {} are done already", all - missing));
     Ok(())
 }

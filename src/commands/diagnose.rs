@@ -42,7 +42,7 @@ pub(super) struct DiagnoseArgs {
     out: OutFlags,
     #[command(flatten)]
     model: ModelFlags,
-    /// Seed of the draws that tell chance from effect.
+    /// Seed of the permutations in significance tests.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }

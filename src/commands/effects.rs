@@ -27,7 +27,7 @@ enum Action {
     /// List laws and effects in the order in which they act.
     #[command(after_help = "Example:\n  robofin effects list --process sanding")]
     List(ListArgs),
-    /// Show one law or effect: formulas, parameters, signature, look-alikes, source.
+    /// Show one law or effect: formulas, parameters, signature, effects it is confused with, source.
     #[command(after_help = "Example:\n  robofin effects show tool-tilt")]
     Show(ShowArgs),
     /// Check an effect's file as a run reads it: names, units, circles, null value, size.

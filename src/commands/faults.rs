@@ -35,7 +35,7 @@ pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) 
 /// Prints an error of the parser; missing arguments on one line.
 fn print_error(error: &clap::Error) {
     match missing(error) {
-        Some(needed) => eprintln!("error: required, and not given: {needed}; --help says more"),
+        Some(needed) => eprintln!("error: required arguments are missing: {needed}; see --help"),
         // If standard error is closed, the error cannot be reported.
         None => drop(error.print()),
     }

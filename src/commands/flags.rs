@@ -24,7 +24,7 @@ pub(super) const SEEDS: [u64; 2] = [0, u64::MAX];
 /// Unit of a mesh file.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(super) enum UnitFlag {
-    /// Taken from the format and the size; what was assumed is said.
+    /// Taken from the format and the size; an assumption is reported.
     #[default]
     Auto,
     /// Metres.

@@ -80,7 +80,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// The whole road on the bundled part: weld, bake, grind, draw, report.
+    /// The whole chain on the bundled part: weld, bake, grind, draw, report.
     Demo(demo::DemoArgs),
     /// Weld a part: place a curve, sweep a bead, bake, write an asset folder.
     Weld(weld::WeldArgs),
@@ -90,7 +90,7 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     /// Plan a tool path along a weld or over a patch of an asset.
     Path(path::PathArgs),
-    /// Write a scan or a robot's program in another format, or tell what is in it.
+    /// Write a scan or a robot's program in another format, or report what is in it.
     Convert(convert::ConvertArgs),
     /// Begin a trial from its files and check it; make synthetic trials in which effects are hidden.
     Trial(trial::TrialArgs),
@@ -106,17 +106,17 @@ enum Verb {
     /// Make one image of a set, or what it needs.
     #[command(hide = true)]
     DatasetImage(dataset_image::DatasetImageArgs),
-    /// Open every file of an asset, or of a data set, and hold it against the others.
+    /// Open every file of an asset, or of a data set, and compare it with the others.
     Validate(validate::ValidateArgs),
     /// Fit a model to a campaign, step by step from the base law to its last effect.
     Calibrate(calibrate::CalibrateArgs),
-    /// Say where a model fails on a campaign; nothing of it is fitted.
+    /// Report where a model fails on a campaign, without fitting it.
     Compare(compare::CompareArgs),
     /// Find out which effect a model lacks, from the scans of a campaign.
     Diagnose(diagnose::DiagnoseArgs),
     /// Try one hypothesis, a formula or an effect, beside the current model of a campaign, and keep a ledger of it.
     Try(Box<try_effect::TryArgs>),
-    /// Show what was tried on a campaign; go back to an earlier model.
+    /// Show what was tried on a campaign, or return to an earlier model.
     Ledger(ledger::LedgerArgs),
     /// Compare, calibrate, diagnose, add what is missing and calibrate again, until nothing more can be found.
     Study(study::StudyArgs),

@@ -67,10 +67,10 @@ pub(super) struct PathArgs {
         help_heading = "Way"
     )]
     spacing_mm: Option<f64>,
-    /// Which way the lines of a raster run.
+    /// Direction in which the lines of a raster run.
     #[arg(long, value_enum, default_value_t, help_heading = "Way")]
     direction: DirectionFlag,
-    /// Lines to and fro without lifting; otherwise the tool returns in the air.
+    /// Lines back and forth without lifting; otherwise the tool returns in the air.
     #[arg(long, requires = "raster", help_heading = "Way")]
     zigzag: bool,
     /// The tool: wheel:radius=LENGTH,width=LENGTH or pad:radius=LENGTH, lengths with mm or m.
@@ -98,7 +98,7 @@ struct MotionFlags {
         value_parser = number([1e-3, 1e4])
     )]
     feed_mm_s: f64,
-    /// Way over which the speed rises from zero and falls to it, at each end of a line [mm].
+    /// Distance over which the speed rises from zero or falls to it, at each end of a line [mm].
     #[arg(
         long,
         value_name = "MM",
@@ -145,7 +145,7 @@ struct MotionFlags {
     spindle_rpm: f64,
 }
 
-/// Which way the lines of a raster run.
+/// Direction in which the lines of a raster run.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum DirectionFlag {
     /// Along x.

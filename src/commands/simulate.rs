@@ -103,7 +103,7 @@ pub(super) struct ProcessFlags {
     /// Width of the wheel [mm] [default: 20].
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number(WHEEL_MM))]
     wheel_width_mm: Option<f64>,
-    /// Passes along the weld, to and fro [default: 2].
+    /// Passes along the weld, back and forth [default: 2].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<u32>(PASSES))]
     passes: Option<u32>,
     /// Normal force that the controller holds [N] [default: 15].
@@ -302,7 +302,7 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
         ("--batch", args.batch.is_some()),
     ];
     let given = of_trials.into_iter().filter(|(_, is_given)| *is_given);
-    let fault = |(flag, _)| format!("{flag}: only a trial has it, and {} is none", args.folder.display());
+    let fault = |(flag, _)| format!("{flag}: only for a trial; {} is an asset", args.folder.display());
     refuse_all(given.map(fault).collect())?;
     let (wheel, plan) = (args.process.wheel(), args.process.plan());
     let rows = RowCounts { passes: plan.passes as usize, scans: plan.passes as usize };

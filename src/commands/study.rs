@@ -41,13 +41,13 @@ pub(super) struct StudyArgs {
     out: OutFlags,
     #[command(flatten)]
     model: ModelFlags,
-    /// Go on with the study that an interrupted run, or --step, left in this place.
+    /// Continue the study that an interrupted run, or --step, left in this place.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Do the next step only, and say what the one after it would be; the folder keeps how far the study is.
     #[arg(long)]
     step: bool,
-    /// Seed of the draws that tell chance from effect.
+    /// Seed of the permutations in significance tests.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
 }
@@ -96,7 +96,7 @@ fn resumed<'a>(args: &StudyArgs, data: Data<'a>, library: &'a Library) -> Result
     if args.model.model.is_some() {
         let model = out.join(MODEL_FILE);
         return Err(wrong_use(format!(
-            "--model: this study goes on with its own {}; change that file, or begin again with --force",
+            "--model: this study continues with its own {}; change that file, or start again with --force",
             model.display()
         )));
     }

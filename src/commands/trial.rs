@@ -98,7 +98,7 @@ struct SynthArgs {
         help_heading = "Measurements"
     )]
     instrument: FrontEnd,
-    /// Same seed, same bytes [default: 0; sealed: one that no one knows].
+    /// Seed; the same seed gives the same bytes [default: 0; sealed: a random one that is not shown].
     #[arg(long, value_name = "SEED", allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: Option<u64>,
     #[command(flatten, next_help_heading = HIDDEN)]
@@ -216,7 +216,8 @@ impl SynthArgs {
 fn parse_hidden(text: &str) -> Result<Hidden, String> {
     Hidden::parse(text).map_err(|found| {
         format!(
-            "{found} is no PARAMETER=VALUE; NAME or NAME:PARAMETER=VALUE,... is expected, such as \"tool-tilt:roll_angle=12 \
+            "{found} is not PARAMETER=VALUE; NAME or NAME:PARAMETER=VALUE,... is expected, such as \
+             \"tool-tilt:roll_angle=12 \
              mrad\""
         )
     })
@@ -268,8 +269,8 @@ fn open(args: &UnsealArgs, console: &Console) -> Result<()> {
     console.step("model", unsealed.answer["model"].as_str().unwrap_or_default());
     let measurements_unchanged = unsealed.measurements_unchanged;
     let seal = match measurements_unchanged {
-        true => "whole; the measurements are those that it was made with",
-        false => "whole; the measurements were CHANGED since it was made",
+        true => "intact; the measurements are unchanged",
+        false => "intact; the measurements were CHANGED since it was made",
     };
     console.step("seal", seal);
     console.answer(&UnsealAnswer { measurements_unchanged, answer: unsealed.answer })

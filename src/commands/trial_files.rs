@@ -57,7 +57,7 @@ struct CheckAnswer {
 pub(super) fn init(args: &InitArgs, console: &Console) -> Result<()> {
     let file = args.folder.join(TRIAL_FILE);
     if !args.print && file.exists() {
-        bail!("{}: this file is there; --print shows what would be written, or move it away", file.display());
+        bail!("{}: this file exists; --print shows what would be written, or move it away", file.display());
     }
     let guess = guess(&args.folder)?;
     guess.seen.iter().for_each(|seen| console.step("seen", seen));

@@ -29,7 +29,7 @@ pub(super) struct ValidateArgs {
     /// USD file: auto opens it if Python can be had, require fails without it, off leaves it alone.
     #[arg(long, value_enum, default_value_t)]
     usd: UsdMode,
-    /// Make the broken items of a data set anew, and its catalogue.
+    /// Make the broken items of a data set again, and its catalogue.
     #[arg(long)]
     repair: bool,
     /// Where the sources of broken items are, if not where they were [default: as the data set was made].
@@ -52,7 +52,7 @@ struct ValidateAnswer<'a> {
 pub(super) fn run(args: &ValidateArgs, console: &Console) -> Result<()> {
     if format_of(&args.folder).as_deref() == Some(IMAGES_FORMAT) {
         if !args.from.is_empty() {
-            return Err(wrong_use("--from: images are made anew from what their set holds".to_owned()));
+            return Err(wrong_use("--from: images are repaired from what their set holds".to_owned()));
         }
         return validate_images::run(&args.folder, args.repair, jobs(args.jobs), console);
     }

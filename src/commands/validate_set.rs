@@ -42,7 +42,7 @@ pub(super) fn conclude(folder: &Path, repair: bool, found: &SetValidation, conso
     let SetValidation { items, checks, broken, catalogue } = found;
     if !found.holds() {
         let counts = format!("{} of {items} items broken, {} faults in the catalogue", broken.len(), catalogue.len());
-        bail!("{}: {counts}{}", folder.display(), if repair { "" } else { "; --repair makes only these anew" });
+        bail!("{}: {counts}{}", folder.display(), if repair { "" } else { "; --repair makes only these again" });
     }
     console.step("valid", format!("{items} items, {checks} checks, and the catalogue says what they say"));
     Ok(())

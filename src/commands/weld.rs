@@ -198,7 +198,7 @@ enum PlaceFlag {
     Seam,
     /// Where a plane cuts smooth ground, as a butt joint of two halves.
     Butt,
-    /// In a crease or on smooth ground, as the seed has it.
+    /// In a crease or on smooth ground; the seed decides.
     Mixed,
 }
 

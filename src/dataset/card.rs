@@ -86,7 +86,7 @@ fn making(recipe: &Recipe) -> String {
     format!(
         "\n## Making\n\nFlags that decide the items: `{}`. Seeds follow from the content of a part and the number of the item, so the same \
          parts and flags give the same bytes.\n\n`robofin validate DIR` rehashes and rechecks everything, with `--repair` it makes \
-         broken items anew.\n\n## Licence\n\nOf the source parts: {}\n",
+         broken items again.\n\n## Licence\n\nOf the source parts: {}\n",
         recipe.flags.join(" "),
         recipe.licence
     )

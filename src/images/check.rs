@@ -149,7 +149,7 @@ fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
     let known: BTreeSet<String> = set.recipe.images().into_iter().map(|image| format!("{}.json", image.id)).collect();
     let found = names(&set.folder().join(RECORDS_FOLDER))?.into_iter();
     let strange = found.filter(|name| !name.starts_with('.') && !known.contains(name));
-    Ok(strange.map(|name| format!("{RECORDS_FOLDER}/{name}: no part of this set")).collect())
+    Ok(strange.map(|name| format!("{RECORDS_FOLDER}/{name}: not part of this set")).collect())
 }
 
 /// Stages of a pattern, with the exposed share after each.

@@ -134,7 +134,7 @@ impl SetItem<ImageRecipe> for Task {
 /// Does a task, or returns the reason of its failure; its result is complete or does not exist.
 pub fn make(set: &ImageSet, id: &str) -> Ending {
     let Some(task) = Task::named(&set.recipe, id) else {
-        return Ending::of(id, Err(Stage::Part.fault(anyhow!("{id}: no part of this set"))));
+        return Ending::of(id, Err(Stage::Part.fault(anyhow!("{id}: not part of this set"))));
     };
     let make = || match &task {
         Task::Workpiece(coated) => set.make_workpiece(coated),

@@ -95,7 +95,7 @@ fn compare_files<M: Marker>(set: &Store<M>, files: &BTreeMap<&'static str, Vec<u
     let known: BTreeSet<&str> = own.chain([M::FILE]).collect();
     let strange = names(set.folder())?.into_iter().filter(|name| !known.contains(name.as_str()));
     let strange = strange.filter(|name| !name.starts_with('.'));
-    faults.extend(strange.map(|name| format!("{name}: no part of a data set")));
+    faults.extend(strange.map(|name| format!("{name}: not part of a data set")));
     Ok(faults)
 }
 

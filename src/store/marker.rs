@@ -15,7 +15,7 @@ pub trait Marker: Serialize + DeserializeOwned + Sync {
     /// Folders of the items, the folder of the claims first; `""` is the store's own.
     const FOLDERS: &'static [&'static str];
     /// Flags that continue an existing store, and their effect, for messages.
-    const CONTINUED: &'static str = "--resume to go on with it";
+    const CONTINUED: &'static str = "--resume to continue it";
 
     /// Returns the value of the `format` key in the marker file.
     fn format(&self) -> &str;

@@ -141,7 +141,7 @@ impl<M: Marker> Store<M> {
         match self.recipe.difference(recipe) {
             None => Ok(self),
             Some(difference) => Err(wrong_use(format!(
-                "{} was started otherwise: {difference}; give the same flags, or choose another --out",
+                "{} was started with other flags: {difference}; give the same flags, or choose another --out",
                 self.folder.display()
             ))),
         }

@@ -24,9 +24,9 @@ pub(super) fn check(truth: &Welds, part: &Mesh) -> Vec<Check> {
 fn check_exposure(weld: &WeldTruth, query: &MeshQuery) -> Check {
     let [low, high] = weld.requested.exposure;
     let rule = format!("weld {}: {RAYS} rays find its exposure within {low} to {high}", weld.id);
-    let told = weld.exposure_min;
-    if !(low..=high).contains(&told) {
-        return Check::new(WELDS_FILE, rule, true, format!("the range was let go: {told} is told"));
+    let stated = weld.exposure_min;
+    if !(low..=high).contains(&stated) {
+        return Check::new(WELDS_FILE, rule, true, format!("the range was relaxed: {WELDS_FILE} states {stated}"));
     }
     let height = weld.width_mm * weld.requested.height_mm / weld.requested.width_mm;
     let (reach, lift) = (1e-3 * weld.requested.exposure_reach_mm, 1e-3 * LIFT * height);
@@ -37,5 +37,5 @@ fn check_exposure(weld: &WeldTruth, query: &MeshQuery) -> Check {
     let darkest: Vec<(DVec3, DVec3)> = places.into_iter().take(POINTS).map(|(_, place)| place).collect();
     let found = exposures(query, &darkest, ExposureRays { reach, lift, rays: RAYS });
     let least = found.into_iter().fold(1.0, f64::min);
-    Check::new(WELDS_FILE, rule, (low..=high).contains(&least), format!("{least:.4}, {told:.4} is told"))
+    Check::new(WELDS_FILE, rule, (low..=high).contains(&least), format!("{least:.4}; {WELDS_FILE} states {stated:.4}"))
 }

@@ -20,10 +20,10 @@ pub(super) fn check(pieces: &[ReadPart], fields: &AssetFields, truth: Option<&We
     pieces.iter().for_each(|piece| surface.append(&piece.mesh));
     let mut checks = vec![check_distance(&surface, fields), check_volume(&surface, fields), check_manifold(&surface)];
     if let Some(truth) = truth {
-        let told: BTreeSet<u16> = truth.welds.iter().map(|weld| weld.id).chain([0]).collect();
+        let stated: BTreeSet<u16> = truth.welds.iter().map(|weld| weld.id).chain([0]).collect();
         let found: BTreeSet<u16> = pieces.iter().map(|piece| piece.weld_id).collect();
         let rule = "its pieces have the weld ids of the truth";
-        checks.push(Check::new(SURFACE_FILE, rule, found == told, format!("{found:?}, told {told:?}")));
+        checks.push(Check::new(SURFACE_FILE, rule, found == stated, format!("{found:?}, stated {stated:?}")));
     }
     checks
 }

@@ -33,12 +33,12 @@ pub(super) fn check_ids(truth: &Welds, meshes: &Meshes, fields: &AssetFields) ->
         ids.sort_unstable();
         ids
     };
-    let told = sorted(truth.welds.iter().map(|weld| weld.id).collect());
+    let stated = sorted(truth.welds.iter().map(|weld| weld.id).collect());
     let swept = sorted(meshes.beads().map(|bead| bead.weld_id).collect());
     let labelled: BTreeSet<u16> = fields.welded.label.iter().copied().filter(|&id| id != 0).collect();
-    let one_each = !told.is_empty() && told.windows(2).all(|pair| pair[0] < pair[1]);
-    let passed = one_each && told == swept && labelled.iter().eq(&told);
-    let found = format!("weld ids: truth {told:?}, beads {swept:?}, labels {labelled:?}");
+    let one_each = !stated.is_empty() && stated.windows(2).all(|pair| pair[0] < pair[1]);
+    let passed = one_each && stated == swept && labelled.iter().eq(&stated);
+    let found = format!("weld ids: truth {stated:?}, beads {swept:?}, labels {labelled:?}");
     Check::new(WELDS_FILE, "truth, beads and labels name the same weld ids, each once", passed, found)
 }
 
@@ -47,9 +47,9 @@ pub(super) fn check_manifest(truth: &Welds, manifest: &Manifest) -> Vec<Check> {
     let sum = |figure: fn(&WeldTruth) -> f64| truth.welds.iter().map(figure).sum::<f64>();
     let figures = [("weld_volume_mm3", sum(|weld| weld.volume_mm3)), ("weld_length_mm", sum(|weld| weld.length_mm))];
     let check = |(name, expected): (&str, f64)| {
-        let said = manifest.checks.get(name).copied().unwrap_or(f64::NAN);
-        let found = format!("{said}, {expected} in {WELDS_FILE}");
-        Check::new(MANIFEST_FILE, format!("{name} is that of the truth"), agree(said, expected), found)
+        let stated = manifest.checks.get(name).copied().unwrap_or(f64::NAN);
+        let found = format!("{stated}, {expected} in {WELDS_FILE}");
+        Check::new(MANIFEST_FILE, format!("{name} agrees with {WELDS_FILE}"), agree(stated, expected), found)
     };
     figures.map(check).into()
 }
@@ -77,8 +77,8 @@ fn check_figures(weld: &WeldTruth) -> Check {
     ];
     let wrong: Vec<String> = figures
         .iter()
-        .filter(|&&(_, said, follows)| !agree(said, follows))
-        .map(|(name, said, follows)| format!("{name} is {said}, {follows} follows"))
+        .filter(|&&(_, stated, follows)| !agree(stated, follows))
+        .map(|(name, stated, follows)| format!("{name} is {stated}, and {follows} follows from the centreline"))
         .collect();
     let found = if wrong.is_empty() { "they do".to_owned() } else { wrong.join("; ") };
     Check::new(WELDS_FILE, format!("weld {}: its figures follow from its centreline", weld.id), wrong.is_empty(), found)

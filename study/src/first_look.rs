@@ -69,7 +69,7 @@ impl FirstAnswer {
     /// - `unit`: symbol of that unit
     pub fn words(&self, floor: f64, unit: &str) -> String {
         let depends = self.depends_on.as_ref().map_or(
-            "its error depends on nothing beyond chance".to_owned(),
+            "its error depends significantly on no covariate".to_owned(),
             |(name, share)| {
                 format!(
                     "its error depends most on the {name}, which alone explains {:.0} % of the excess",
@@ -79,10 +79,10 @@ impl FirstAnswer {
         );
         let names: Vec<String> =
             self.promises.iter().map(|one| format!("{} ({:.0} %)", one.name, 100.0 * one.share)).collect();
-        let suspects = if names.is_empty() { "no effect promises anything".to_owned() } else { names.join(", ") };
+        let suspects = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
         format!(
-            "the law, roughly fitted, leaves {:.2} {unit}, noise alone {floor:.2} {unit}; {depends}\nleading suspects, by \
-             the share of χ² that each promises to explain; none is fitted yet: {suspects}",
+            "the law, roughly fitted, leaves {:.2} {unit}, noise alone {floor:.2} {unit}; {depends}\nleading suspects, \
+             by the share of χ² that each is predicted to explain; none is fitted yet: {suspects}",
             self.rms
         )
     }

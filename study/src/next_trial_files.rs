@@ -46,7 +46,7 @@ fn remarks(next: &NextTrial, choice: &MenuChoice, (part, trial): (usize, &Trial)
     vec![
         format!("A plan. {}", next.summary),
         format!("{tool} {workpiece}"),
-        "The way of each pass is in passN_path.csv: force 0 is in the air.".to_owned(),
+        "The path of each pass is in passN_path.csv: force 0 means in the air.".to_owned(),
         format!("Measure the scans and logs that are named below, and put them into this folder.{scans}"),
     ]
 }

@@ -47,7 +47,7 @@ impl Action {
     /// Intent in a few words.
     pub fn intent(self) -> &'static str {
         match self {
-            Self::Compare => "hold the base law against the measurements",
+            Self::Compare => "compare the base law with the measurements",
             Self::Calibrate => "fit the model to the calibration passes",
             Self::Diagnose => "search the library for what the model lacks",
             Self::Add => "add the effect that was found to the model",
@@ -180,7 +180,8 @@ impl StudyRecord {
             Verdict::Identified => format!("The model lacked {names}."),
             Verdict::Unknown => {
                 format!(
-                    "The model lacked {names}, or what does the like: most of what is left no effect of the library describes."
+                    "The model lacked {names} or a similar effect: no effect of the library describes most of what is \
+                     left."
                 )
             }
             _ => format!("The model lacked {names}, and more that was not found."),

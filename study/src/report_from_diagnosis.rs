@@ -298,7 +298,9 @@ fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, u
         (Some(reason), _) => format!("Out: {reason}."),
         (None, []) if rank == 0 => "In: the most probable one.".to_owned(),
         (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
-        (None, alike) => format!("In: the most probable one, which these data cannot tell from {}.", alike.join(", ")),
+        (None, alike) => {
+            format!("In: the most probable one, which these data cannot distinguish from {}.", alike.join(", "))
+        }
     };
     super::Suspect {
         name: suspect.name.clone(),

@@ -119,7 +119,7 @@ impl<'a> StudyState<'a> {
         record.next = None;
         record.ended = match record.verdict {
             Some(Verdict::Identified) => {
-                Some("what is left is noise and what the simulation itself may err by".to_owned())
+                Some("what is left is noise and the error of the simulation itself".to_owned())
             }
             Some(_) if floors <= NEAR_FLOOR_RATIO => {
                 Some(format!("the error is within {NEAR_FLOOR_RATIO} times the noise floor"))

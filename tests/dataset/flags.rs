@@ -50,10 +50,11 @@ fn what_is_there_is_kept_unless_it_is_the_same_set() {
     run(&mut dataset(parts, set)).is_refused(2, &["is a data set already", "--resume"]);
     let mut other =
         crate::program::robofin(["dataset", "--per-part", "2", "--seed", "8", "--diagonal", "48", "--resume"]);
-    run(other.arg(parts).arg("--out").arg(set)).is_refused(2, &["was started otherwise", "seed is 7 there, and 8 now"]);
+    run(other.arg(parts).arg("--out").arg(set))
+        .is_refused(2, &["was started with other flags", "seed is 7 there, and 8 now"]);
     let mut other =
         crate::program::robofin(["dataset", "--per-part", "2", "--seed", "7", "--diagonal", "49", "--resume"]);
-    run(other.arg(parts).arg("--out").arg(set)).is_refused(2, &["was started otherwise", "options"]);
+    run(other.arg(parts).arg("--out").arg(set)).is_refused(2, &["was started with other flags", "options"]);
     assert!(tree(set) == before, "it was changed");
 
     let place = tempfile::tempdir().expect("a temporary folder");

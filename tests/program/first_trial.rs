@@ -29,7 +29,7 @@ fn init_writes_once_and_check_says_what_is_wrong_and_what_is_not() {
     assert_eq!(answer["text"].as_str(), Some(printed.stdout.as_str()));
     let open: Vec<&str> = answer["open"].as_array().unwrap().iter().map(|open| open.as_str().unwrap()).collect();
     assert!(open.contains(&"[scan] pitch_mm"), "{open:?}");
-    run(robofin(["trial", "init"]).arg(&place)).is_refused(1, &["trial.toml", "this file is there", "--print"]);
+    run(robofin(["trial", "init"]).arg(&place)).is_refused(1, &["trial.toml", "this file exists", "--print"]);
 
     // Keys marked FILL IN are refused with their line until they have a value.
     let out = folder.path().join("check");
@@ -91,7 +91,7 @@ fn scans_are_converted_and_nothing_is_replaced() {
     let out = folder.path().join("map.x3p");
     run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).succeeds();
     assert_eq!(summary(&out), original);
-    run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).is_refused(2, &["map.x3p", "nothing is replaced"]);
+    run(robofin(["convert"]).arg(&source).arg("--out").arg(&out)).is_refused(2, &["map.x3p", "is not replaced"]);
     run(robofin(["convert"]).arg(&source).arg("--out").arg(folder.path().join("map.png")))
         .is_refused(1, &["png", "sur"]);
     run(robofin(["convert"]).arg(folder.path().join("absent.sur"))).is_refused(1, &["absent.sur"]);

@@ -336,7 +336,7 @@ fn all_flags_that_do_not_fit_together_are_told_at_once() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let trials = ["--replay", "--voxel-mm", "1", "--out"];
     run(robofin(["simulate"]).arg(asset()).args(trials).arg(folder.path().join("out")))
-        .is_refused_for_all(&[&["--voxel-mm", "only a trial"], &["--replay", "only a trial"]]);
+        .is_refused_for_all(&[&["--voxel-mm", "only for a trial"], &["--replay", "only for a trial"]]);
     let photograph = ["--table", "--samples", "3", "--read-noise", "5", "--out"];
     run(robofin(["render"]).arg(asset()).args(photograph).arg(folder.path().join("out.png"))).is_refused_for_all(&[
         &["--read-noise 5.0", "--full-well"],

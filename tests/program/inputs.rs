@@ -131,7 +131,7 @@ fn a_manifest_names_files_in_its_own_folder_only() {
     let changed = manifest.replace("\"before.csv\"", &format!("\"{absolute}\""));
     fs::write(trial.join("trial.toml"), changed).expect("it can be written");
     let outcome = simulate(&["--allow-outside"]);
-    outcome.is_refused(1, &["secret.csv, line 1", "text of 10 characters is no number"]);
+    outcome.is_refused(1, &["secret.csv, line 1", "text of 10 characters is not a number"]);
     assert_silent(&outcome);
     fs::copy(trial.join("before.csv"), place("secret.csv")).expect("a copy");
     simulate(&["--allow-outside"]).succeeds();

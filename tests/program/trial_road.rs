@@ -116,7 +116,7 @@ fn a_trial_gives_its_figures_and_the_same_bytes_on_any_number_of_threads() {
     run(&mut simulate(&place, &out("fine"), &["--voxel-mm", "1e-9"])).is_refused(2, &["--voxel-mm", "accepted"]);
     run(&mut simulate(&place, &out("coarse"), &["--voxel-mm", "50"])).is_refused(1, &["pass 1", "50 mm", "at most"]);
     assert!(!out("coarse").exists(), "refused before the work");
-    run(&mut simulate(asset(), &out("asset"), &["--replay"])).is_refused(2, &["--replay", "only a trial"]);
+    run(&mut simulate(asset(), &out("asset"), &["--replay"])).is_refused(2, &["--replay", "only for a trial"]);
     for (flag, value) in [("--force-n", "20"), ("--passes", "2"), ("--wheel-width-mm", "20"), ("--grind-rate", "1e-9")]
     {
         run(&mut simulate(&place, &out("flags"), &[flag, value])).is_refused(2, &[flag, "only for an asset"]);

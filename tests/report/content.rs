@@ -165,7 +165,7 @@ fn without_rivals_the_page_says_what_another_trial_would_buy() {
         (Verdict::Identified, "intervals of its parameters about 0.7 times as wide"),
         (Verdict::NothingMissing, "least detectable sizes"),
         (Verdict::NotTestable, "other forces, feeds and spindle speeds"),
-        (Verdict::Unknown, "on what the error that is left depends"),
+        (Verdict::Unknown, "what the remaining error depends on"),
     ] {
         let text = next(study::StudyReport { verdict, ..report.clone() });
         assert!(text.contains(words) && text.contains("grit-dulling.rate"), "{verdict:?}: {text}");

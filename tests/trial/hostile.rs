@@ -168,7 +168,7 @@ fn what_is_no_table_is_refused() {
         (b"\xef\xbb\xbf  \r\n", "empty"),
         (b"\xff\xfet\0_\0s\0", "UTF-16"),
         (b"0,1\n\0,0\n", "zero"),
-        (b"PK\x03\x04\0\0", "no readable zip"),
+        (b"PK\x03\x04\0\0", "not a readable zip"),
         (b",,,\n,,,\n,,,\n,,,\n", "every cell is empty"),
     ] {
         let folder = folder();

@@ -39,7 +39,7 @@ pub struct Seal {
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum SealError {
     /// The key file holds something else.
-    #[error("{found} is no key: 64 hexadecimal digits are expected")]
+    #[error("{found} is not a key: 64 hexadecimal digits are expected")]
     NoKey {
         /// Description of the contents by their length; a key is never repeated.
         found: String,

@@ -186,7 +186,7 @@ pub fn unseal(folder: &Path, key_file: &Path) -> Result<Unsealed, WriteError> {
     let place = folder.join(SEAL_FILE);
     if !place.is_file() {
         let open = folder.join(ANSWER_FILE).is_file();
-        let hint = if open { format!("; its answer lies open in {ANSWER_FILE}") } else { String::new() };
+        let hint = if open { format!("; its answer is in {ANSWER_FILE}, not encrypted") } else { String::new() };
         return Err(wrong_use(format!(
             "{}: no {SEAL_FILE} here{hint}; a folder made by `robofin trial synth --sealed` is expected",
             folder.display()

@@ -85,8 +85,7 @@ pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Ne
         return closed(guard.welcome(request.uri().path()));
     }
     if !guard.has_cookie(headers) {
-        let words =
-            "no token: open the address that `robofin workbench` has printed, with all that stands behind the ?";
+        let words = "no token: open the address that `robofin workbench` has printed, with everything after the ?";
         return (StatusCode::FORBIDDEN, words).into_response();
     }
     closed(next.run(request).await)

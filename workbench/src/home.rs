@@ -42,7 +42,7 @@ impl Home {
     /// If it no longer exists.
     pub(crate) fn place(&self, id: &str) -> Result<Place, Refusal> {
         let found = self.places().0.into_iter().find(|place| place.id == id);
-        found.ok_or_else(|| Refusal::missing("the folder holds no such thing any more; go back to the list"))
+        found.ok_or_else(|| Refusal::missing("the folder no longer holds this; go back to the list"))
     }
 
     /// Returns the bench of a campaign or table; opens it if necessary.

@@ -275,7 +275,7 @@ fn value_of(line: &str, named: Option<&str>, tree: &Expr, process: Process) -> R
     let Some(&(hook, value)) = found.first() else {
         let accepted: Vec<&str> = all.iter().map(|(_, value)| value.name()).collect();
         let what = match named {
-            Some(name) => format!("`{name}`, which is no value of {}", process.name()),
+            Some(name) => format!("`{name}`, which is not a value of {}", process.name()),
             None => format!("no value of {}", process.name()),
         };
         return Err(OneLineError::Value { line: line.to_owned(), found: what, accepted: accepted.join(", ") });
@@ -293,7 +293,7 @@ fn check_unknown(name: &str, hook: Hook, states: &[NamedState]) -> Result<(), On
     let mut known: Vec<&str> = states.iter().map(NamedState::name).collect();
     known.extend(Variable::at(hook).map(|variable| variable.name()));
     if name.len() >= LONG_NAME && !near(name, known.iter().copied()).is_empty() {
-        return refused(format!("{}; a parameter needs a name that is less like them", hint(name, &known)));
+        return refused(format!("{}; choose a parameter name that differs more", hint(name, &known)));
     }
     Ok(())
 }

@@ -75,7 +75,7 @@ fn a_faulty_line_is_refused_with_its_place() {
         ("rate * exp(-ground_volum / a)", "did you mean `ground_volume`"),
         ("rate * (1 + a * label / ground_volume) + x * 2", "dimension"),
         ("speed * (1 + a)", "names no value of grinding"),
-        ("dose_rate = dose_rate * (1 + a)", "`dose_rate`, which is no value of grinding"),
+        ("dose_rate = dose_rate * (1 + a)", "`dose_rate`, which is not a value of grinding"),
         ("rate * exp(-contact_time / (3 s))", "nothing to fit"),
         ("height + a * slip_speed", "it is at"),
         ("rate = rate * exp(a * pressure) + ground_volume", "dimension"),

@@ -180,7 +180,7 @@ fn a_result_that_is_no_number_at_run_time_names_formula_and_first_bad_lane() {
     bad[3] = f64::NAN;
     let lanes = Lanes::new(100).with(Variable::Pressure, &bad).with(Variable::ToolY, &tool_y);
     let message = model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
-    says(&message, &["hands NaN as pressure [Pa] to the hook rate, lane 3"]);
+    says(&message, &["pressure [Pa] = NaN at the hook rate, lane 3"]);
     let lanes = Lanes::new(100).with(Variable::Pressure, &pressure);
     let message = model.at(Hook::Rate, &step, &states).run(&lanes, &mut out).unwrap_err().to_string();
     says(&message, &["tool_y has 0 values at the hook rate, 100 are expected"]);

@@ -95,7 +95,7 @@ impl Channels {
             own = format!("{name} ({copy})");
         }
         if copy > 1 {
-            self.notes.push(format!("the name {name:?} stands {copy} times; the later is {own:?}"));
+            self.notes.push(format!("the name {name:?} occurs {copy} times; the later one becomes {own:?}"));
         }
         self.names.push(own);
         self.units.push(unit);

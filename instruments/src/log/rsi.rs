@@ -91,7 +91,7 @@ impl Frames {
             return Err(place.bad(format!("a frame of {} bytes", frame.len()), ACCEPTED));
         }
         let document = Document::parse(frame);
-        let document = document.map_err(|_| place.clone().bad::<Misread>("a frame that is no XML", ACCEPTED))?;
+        let document = document.map_err(|_| place.clone().bad::<Misread>("a frame that is not XML", ACCEPTED))?;
         check_size(place.clone(), self.names.len(), self.lines.len() + 1)?;
         for element in document.root_element().children().filter(|node| node.is_element()) {
             let name = element.tag_name().name();

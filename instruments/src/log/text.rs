@@ -24,7 +24,7 @@ pub(crate) fn decode<'a>(file: &Path, bytes: &'a [u8]) -> Result<(Cow<'a, str>, 
     // The end-of-file character of DOS is the only other control character in texts.
     let odd = |c: char| c.is_ascii_control() && !"\t\r\n\u{c}\u{1a}".contains(c);
     if let Some(at) = text.find(odd) {
-        let found = format!("the character {:?}, which no text has", text[at..].chars().next().unwrap_or_default());
+        let found = format!("the control character {:?}", text[at..].chars().next().unwrap_or_default());
         return Err(Place::of_byte(file, &text, at).bad(found, ACCEPTED));
     }
     Ok((text, notes))

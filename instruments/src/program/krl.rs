@@ -231,7 +231,7 @@ impl Robot<'_> {
     fn set_frame(&mut self, name: &str, value: String, number: u64) -> Result<(), Misread> {
         let before = self.frames.insert(name.to_ascii_uppercase(), value.clone());
         if before.is_some_and(|before| before != value) && !self.reading.program.points.is_empty() {
-            let found = format!("another {name} on the way");
+            let found = format!("a second {name} in the path");
             return self.reading.bad(number, found, "one base and one tool for the whole path are accepted");
         }
         self.reading.pass(format!("points are those of {}", shown_name(&value)), number);
@@ -307,7 +307,7 @@ impl Robot<'_> {
             *last = given.or(*last);
         }
         let [Some(x), Some(y), Some(z), a, b, c] = self.last else {
-            return self.reading.bad(line, "a pose without X, Y and Z before any other", "a whole pose is expected");
+            return self.reading.bad(line, "a pose without X, Y and Z before any other", "a complete pose is expected");
         };
         let rotation = match [a, b, c] {
             [Some(a), Some(b), Some(c)] => Some(from_kuka([a, b, c].map(f64::to_radians))),

@@ -68,7 +68,7 @@ impl Program {
     /// Its size in one line, for messages.
     pub fn summary(&self) -> String {
         let way: f64 = self.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
-        format!("{} points, {:.2} mm of way", self.points.len(), way * 1e3)
+        format!("{} points, path length {:.2} mm", self.points.len(), way * 1e3)
     }
 }
 

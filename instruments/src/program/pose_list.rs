@@ -144,7 +144,7 @@ fn named(source: &Source, channels: &Channels) -> Result<Columns, Misread> {
             (Some(turn), _) => Rotation::Vector(turn),
             (None, Some(turn)) => Rotation::Kuka(turn),
             (None, None) if names.iter().any(|name| name.starts_with('q')) => {
-                return Err(bad("a quaternion that is not whole".to_owned()));
+                return Err(bad("an incomplete quaternion".to_owned()));
             }
             (None, None) => Rotation::None,
         },
@@ -190,7 +190,7 @@ fn length_scale(
         [Some("m"), ..] => Ok(1.0),
         [Some("mm"), ..] => Ok(1e-3),
         [Some("um"), ..] => Ok(1e-6),
-        [Some(_), ..] => Err(bad("x, y, z in a unit that is no length")),
+        [Some(_), ..] => Err(bad("x, y, z in a unit that is not a length")),
         _ => {
             let farthest =
                 columns.position.iter().flat_map(|&k| &channels.values[k]).fold(0.0_f64, |far, v| far.max(v.abs()));

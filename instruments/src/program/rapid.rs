@@ -154,7 +154,7 @@ impl Robot<'_> {
     fn refuse<T>(&self, statement: &[Token], line: u64) -> Result<T, Misread> {
         let word = match statement.first() {
             Some(Token::Word(word)) => shown_name(word),
-            _ => "a statement that begins with no word".to_owned(),
+            _ => "a statement that does not begin with a word".to_owned(),
         };
         self.reading.bad(line, word, ACCEPTED)
     }
@@ -186,7 +186,7 @@ impl Robot<'_> {
             Some(true) => self.reading.bad(line, "a name that is declared twice", "each name once is expected"),
             _ => self.reading.bad(
                 line,
-                "data that are not of their type",
+                "data that do not match their type",
                 "[[x,y,z],[q1,q2,q3,q4],…] or [v_tcp,…] is expected",
             ),
         }
@@ -289,7 +289,7 @@ impl Robot<'_> {
             }
             Some(own) if *own == frame => Ok(()),
             Some(_) => {
-                self.reading.bad(line, "another tool or work object on the way", "one for the whole path is accepted")
+                self.reading.bad(line, "a second tool or work object in the path", "one for the whole path is accepted")
             }
         }
     }

@@ -23,7 +23,7 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// A description of the fault.
     pub(super) fn open(bytes: &'a [u8], known: &'static [&'static str]) -> Result<Self, String> {
-        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("no readable zip: {error}"))?;
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("not a readable zip: {error}"))?;
         Ok(Self { zip, known })
     }
 

@@ -16,7 +16,7 @@ impl<'a> Bytes<'a> {
     /// Moves to a byte of the file.
     pub(super) fn seek(&mut self, byte: usize) -> Result<(), String> {
         if byte > self.all.len() {
-            return Err(format!("a place at byte {byte} of {}", self.all.len()));
+            return Err(format!("an offset of {byte} bytes in {}", self.all.len()));
         }
         self.at = byte;
         Ok(())

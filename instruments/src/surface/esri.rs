@@ -124,7 +124,7 @@ fn read_keys(words: &mut Words, numbers: &mut Numbers) -> Result<(Keys, Option<f
 }
 
 fn bad_word(word: &[u8]) -> String {
-    format!("{} is no number", quoted(&String::from_utf8_lossy(word)))
+    format!("{} is not a number", quoted(&String::from_utf8_lossy(word)))
 }
 
 /// Writes a grid in millimetres, missing heights as -9999.

@@ -77,7 +77,7 @@ fn read(words: &mut Words, text: &[u8]) -> Result<Surface, String> {
     let keys = Keys::read(words);
     let [width, height] = keys.sizes[..] else { return Err("no width and height in the lines of #".to_owned()) };
     let unit = keys.unit.ok_or_else(|| match &keys.strange {
-        Some(unit) => format!("values in {}, which is no unit of length", quoted(unit)),
+        Some(unit) => format!("values in {}, which is not a unit of length", quoted(unit)),
         None => "no unit of the values in the lines of #".to_owned(),
     })?;
     let mut heights = Vec::new();
@@ -88,7 +88,7 @@ fn read(words: &mut Words, text: &[u8]) -> Result<Surface, String> {
     heights.reserve(text.len() / 16);
     for word in words.by_ref() {
         let number = numbers.number(word);
-        heights.push(number.ok_or_else(|| format!("{} is no number", quoted(&String::from_utf8_lossy(word))))?);
+        heights.push(number.ok_or_else(|| format!("{} is not a number", quoted(&String::from_utf8_lossy(word))))?);
     }
     let ny = heights.len().checked_div(nx).unwrap_or(0);
     if nx * ny != heights.len() {

@@ -91,7 +91,7 @@ impl Array {
     fn read(bytes: &[u8]) -> Result<Self, String> {
         let mut bytes = Bytes::new(bytes);
         if bytes.take(MAGIC.len())? != MAGIC {
-            return Err("no array of NumPy".to_owned());
+            return Err("not a NumPy array".to_owned());
         }
         let major = bytes.u8()?;
         bytes.u8()?;

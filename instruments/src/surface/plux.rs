@@ -41,7 +41,7 @@ impl Format for Plux {
 fn read(bytes: &[u8]) -> Result<Surface, String> {
     let mut archive = Archive::open(bytes, &[INDEX, HEIGHTS])?;
     let text = archive.text(INDEX)?;
-    let document = Document::parse(&text).map_err(|error| format!("{INDEX}, line {}: no XML", error.pos().row))?;
+    let document = Document::parse(&text).map_err(|error| format!("{INDEX}, line {}: not XML", error.pos().row))?;
     let root = document.root_element();
     let number = |name: &str| -> Result<f64, String> {
         let found = text_of(root, &["GENERAL", name]).ok_or_else(|| format!("{INDEX} has no GENERAL/{name}"))?;

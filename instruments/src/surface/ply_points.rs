@@ -127,7 +127,7 @@ impl Header {
                 let word = words.next().ok_or_else(|| format!("{} of {} vertices", points.len(), self.vertices))?;
                 let number = numbers.number(word);
                 *value = number.ok_or_else(|| {
-                    format!("line {}: {} is no number", words.line, quoted(&String::from_utf8_lossy(word)))
+                    format!("line {}: {} is not a number", words.line, quoted(&String::from_utf8_lossy(word)))
                 })?;
             }
             points.push(DVec3::from_array(columns.map(|column| vertex[column])));

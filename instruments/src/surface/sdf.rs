@@ -144,14 +144,14 @@ fn read_text(words: &mut Words) -> Result<Surface, String> {
     let (count, mut numbers, mut heights) = (header.nx * header.ny, Numbers::default(), Vec::new());
     for word in words.by_ref().take(count) {
         let number = numbers.number(word).filter(|_| word != b"*");
-        heights.push(number.ok_or_else(|| format!("{} is no number", quoted(&String::from_utf8_lossy(word))))?);
+        heights.push(number.ok_or_else(|| format!("{} is not a number", quoted(&String::from_utf8_lossy(word))))?);
     }
     if heights.len() < count {
         return Err(format!("{} heights where {} x {} are stated", heights.len(), header.nx, header.ny));
     }
     match words.next() {
         // Gwyddion writes no * after the heights.
-        None if !words.ends_with_a_line() => return Err("a last height that is not ended".to_owned()),
+        None if !words.ends_with_a_line() => return Err("a last height that is cut off".to_owned()),
         Some(word) if !word.starts_with(b"*") => {
             return Err(format!("more heights than the {} x {} that are stated", header.nx, header.ny));
         }

@@ -10,7 +10,7 @@ pub(super) fn checked(nx: u64, ny: u64) -> Result<(usize, usize), String> {
     let count = nx.checked_mul(ny).filter(|count| (1..=MOST_PIXELS as u64).contains(count));
     match count {
         Some(_) => Ok((nx as usize, ny as usize)),
-        None => Err(format!("a map of {nx} x {ny} pixels, where 1 to {MOST_PIXELS} pixels may be")),
+        None => Err(format!("a map of {nx} x {ny} pixels; 1 to {MOST_PIXELS} pixels are accepted")),
     }
 }
 

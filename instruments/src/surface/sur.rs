@@ -78,7 +78,7 @@ impl Header {
         let mut unit_at = |byte: usize| -> Result<f64, String> {
             let name = at(byte)?.text(WORD)?;
             unit::metres(&name)
-                .ok_or_else(|| format!("byte {byte}: {} is no unit of length", files::input::quoted(&name)))
+                .ok_or_else(|| format!("byte {byte}: {} is not a unit of length", files::input::quoted(&name)))
         };
         let units = [unit_at(180)?, unit_at(180 + WORD)?, unit_at(180 + 2 * WORD)?];
         let mut number = |byte: usize| at(byte)?.f32().map(f64::from);
@@ -164,7 +164,7 @@ fn unpack(bytes: &mut Bytes, length: usize) -> Result<Vec<u8>, String> {
             .read_to_end(&mut data)
             .map_err(|error| format!("byte {place}: packed stream {stream}: {error}"))?;
         if (data.len() - before) as u64 != raw {
-            return Err(format!("byte {place}: stream {stream} has other than {raw} bytes"));
+            return Err(format!("byte {place}: stream {stream} does not have {raw} bytes"));
         }
     }
     if data.len() != length {

@@ -61,7 +61,7 @@ fn read(file: &Path, bytes: &[u8]) -> Result<Surface, Misread> {
     let bad = |found: String| Place::file(file).bad(found, ACCEPTED);
     let mut archive = Archive::open(bytes, MEMBERS).map_err(&bad)?;
     let text = archive.text(MAIN).map_err(&bad)?;
-    let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}, line {}: no XML", error.pos().row)))?;
+    let document = Document::parse(&text).map_err(|error| bad(format!("{MAIN}, line {}: not XML", error.pos().row)))?;
     let matrix = Description::of(document.root_element()).map_err(&bad)?;
     let count = matrix.nx * matrix.ny;
     let heights = archive.member(&matrix.members.0, (count * matrix.kind.size()) as u64).map_err(&bad)?;

@@ -79,8 +79,8 @@ impl List {
             columns = column + 1;
             let Some(axis) = layout.columns.iter().position(|&wanted| wanted == column) else { continue };
             let number = self.numbers.number(cell);
-            point[axis] =
-                number.ok_or_else(|| (column, format!("{} is no number", quoted(&String::from_utf8_lossy(cell)))))?;
+            point[axis] = number
+                .ok_or_else(|| (column, format!("{} is not a number", quoted(&String::from_utf8_lossy(cell)))))?;
             found += 1;
         }
         if found < 3 {

@@ -118,7 +118,7 @@ fn matrix(bytes: &[u8], element: Element) -> Result<(usize, usize, Vec<f64>), St
 fn sizes(xml: &[u8]) -> Result<(f64, f64), String> {
     let text = std::str::from_utf8(xml).map_err(|_| "sizes that are not UTF-8".to_owned())?;
     let document = Document::parse(text.trim_start_matches('\u{feff}'))
-        .map_err(|error| format!("member {SIZES}, line {}: no XML", error.pos().row))?;
+        .map_err(|error| format!("member {SIZES}, line {}: not XML", error.pos().row))?;
     let number = |name: &str| {
         let node = document.descendants().find(|node| node.tag_name().name() == name);
         let number = node.and_then(|node| node.text()?.trim().parse::<f64>().ok());

@@ -22,18 +22,18 @@ impl FrameEstimate {
         let Self { shift_x_mm: x, shift_y_mm: y, yaw_mrad: yaw, clock_s: clock, .. } = self;
         let frame = || {
             let (x, y, yaw) = (x.shown("mm"), y.shown("mm"), yaw.shown("mrad"));
-            format!("the tool was off its logged place by x: {x}; y: {y}; yaw: {yaw}")
+            format!("the tool was off its logged position by x: {x}; y: {y}; yaw: {yaw}")
         };
         let what = match self.cause {
             FrameCause::AsLogged => return None,
-            FrameCause::PathOffset => format!("the tool ran beside its logged place by y: {}", y.shown("mm")),
+            FrameCause::PathOffset => format!("the tool was off its logged position by y: {}", y.shown("mm")),
             FrameCause::ClockOffset => format!("poses are logged later than forces by {}", clock.shown("s")),
             FrameCause::Frame => frame(),
             FrameCause::FrameAndClock => {
                 format!("{}; poses are logged later than forces by {}", frame(), clock.shown("s"))
             }
         };
-        Some(format!("By the scans {what}. Every fit leaves that free."))
+        Some(format!("According to the scans, {what}. Every fit leaves that free."))
     }
 
     /// The equivalent effect of the library with its value; `None` where no single effect is.

@@ -279,5 +279,5 @@ fn failed(trial: &Trial, error: SimulationError) -> EvidenceError {
 }
 
 fn nothing(pass: usize) -> EvidenceError {
-    EvidenceError::NoData(format!("pass {} of this trial would cut nothing", pass + 1))
+    EvidenceError::NoData(format!("pass {} of this trial would remove nothing", pass + 1))
 }

@@ -46,7 +46,7 @@ impl Action {
             Self::Roll => "tool's roll",
             Self::Offset => "tool's place across",
             Self::Gap => "gap under the tool",
-            Self::Height => "height that the scanner sees",
+            Self::Height => "height that the scanner measures",
         }
     }
 

@@ -52,7 +52,7 @@ impl Form {
             Kind::Saturation => {
                 format!("the {what} ends {}, 1/e of that is left after {} of the {about}", differs(size), at(0))
             }
-            Kind::Power => format!("the {what} goes with the power {} of the {about}", significant(size)),
+            Kind::Power => format!("the {what} scales with the power {} of the {about}", significant(size)),
             Kind::Hinge => {
                 format!("the {what} changes from {} of the {about} on, and is {} at {}", at(0), from_to(), shown(high))
             }

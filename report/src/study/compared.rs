@@ -24,15 +24,15 @@ pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
 fn meaning(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Identified => "One effect explains what the base law misses, and held-out passes confirm it.",
-        Verdict::Ambiguous => "Several effects explain it equally well; these passes cannot tell them apart.",
+        Verdict::Ambiguous => "Several effects explain it equally well; these passes cannot distinguish them.",
         Verdict::Partly => "An effect was found, and structure remains beside it.",
         Verdict::Unknown => "Something is missing that no effect of the library explains.",
-        Verdict::Hint => "One effect shows and no other like it, but it is too small to be sure of.",
+        Verdict::Hint => "One effect is visible and no other resembles it, but it is too small to be certain.",
         Verdict::NothingMissing => {
             "The model agrees with the measurement within its noise; see below what would have shown."
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
-        Verdict::Calibrated => "Whether anything is missing, and what, a diagnosis says.",
+        Verdict::Calibrated => "A diagnosis shows whether anything is missing, and what.",
         Verdict::Better => "One of two models is better, by the difference of their errors, block by block.",
         Verdict::NotBetter => "The difference of the two models' errors, block by block, does not favour the second.",
         Verdict::Agrees => "The model was compared as it is; nothing was fitted.",

@@ -108,10 +108,12 @@ fn worth_of_another(report: &StudyReport) -> String {
             "Nothing is missing, so no trial has to separate two effects. The same passes on another workpiece would make the least detectable sizes about 0.7 times as large."
         }
         Verdict::NotTestable => {
-            "These passes put no two effects in play. Passes at other forces, feeds and spindle speeds would make more of them detectable."
+            "These passes leave no two effects to separate. Passes at other forces, feeds and spindle speeds would \
+             make more of them detectable."
         }
         _ => {
-            "No two effects of the library are in play. A trial that changes force, feed or spindle speed within a pass would show on what the error that is left depends."
+            "No two effects of the library remain to be separated. A trial that changes force, feed or spindle speed \
+             within a pass would show what the remaining error depends on."
         }
     };
     format!("{buys}{open}")

@@ -109,7 +109,7 @@ impl NvdbGrid {
             match grid.slot(brick) {
                 OUTSIDE | INSIDE => {
                     if let Some(offset) = from.iter().position(|value| *value != V::default()) {
-                        return Err(self.bad_value(voxel_at(brick, offset), "a value where no brick is".to_owned()));
+                        return Err(self.bad_value(voxel_at(brick, offset), "a value outside all bricks".to_owned()));
                     }
                 }
                 slot => values[slot as usize * BRICK_VOXELS..][..BRICK_VOXELS].copy_from_slice(from),

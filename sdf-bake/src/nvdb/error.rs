@@ -55,7 +55,7 @@ pub enum NvdbError {
         found: String,
     },
     /// An unsupported major version.
-    #[error("NanoVDB version {major}.{minor}; versions 32.x are read, write the file anew with such a version")]
+    #[error("NanoVDB version {major}.{minor}; versions 32.x are read: rewrite the file with one of them")]
     Version {
         /// Major version.
         major: u32,
@@ -63,7 +63,7 @@ pub enum NvdbError {
         minor: u32,
     },
     /// An unsupported codec.
-    #[error("codec {0}; none and zip are read, write the file anew with one of them")]
+    #[error("codec {0}; none and zip are read: rewrite the file with one of them")]
     Codec(&'static str),
     /// An unsupported value type.
     #[error("grid {grid:?} holds {found} values; Float and Int32 are read")]

@@ -133,7 +133,7 @@ fn grid(name: String, bytes: &[u8]) -> Result<NvdbGrid, NvdbError> {
     let head: GridData = bytes.get("a grid's head", 0)?;
     check_version(head.version)?;
     if head.grid_size != bytes.len() {
-        let what = format!("its head says {} bytes, the file has {}", head.grid_size, bytes.len());
+        let what = format!("its header states {} bytes, the file has {}", head.grid_size, bytes.len());
         return Err(NvdbError::Structure { grid: name, what });
     }
     let (voxel, translation) = placement(&name, &head.map)?;

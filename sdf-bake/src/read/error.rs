@@ -28,9 +28,7 @@ pub enum ReadError {
         name: String,
     },
     /// Neither content nor extension identifies the format.
-    #[error(
-        "{name} is not recognised: its content is no OBJ, STL, PLY, GLB or glTF, and its extension is none of theirs"
-    )]
+    #[error("{name} is not recognised: neither its content nor its extension is that of OBJ, STL, PLY, GLB or glTF")]
     UnknownFormat {
         /// File name.
         name: String,

@@ -172,9 +172,9 @@ fn explain(error: tobj::LoadError, text: &str, consumed: usize) -> ReadError {
     let statement = consumed.lines().last().unwrap_or("");
     let statement = quoted_line(statement);
     let reason = match error {
-        PositionParseError => format!("line {line}: {statement} is no vertex; `v x y z` with numbers is accepted"),
+        PositionParseError => format!("line {line}: {statement} is not a vertex; `v x y z` with numbers is accepted"),
         FaceParseError => {
-            format!("line {line}: {statement} is no face; `f i j k ...` with vertex numbers is accepted")
+            format!("line {line}: {statement} is not a face; `f i j k ...` with vertex numbers is accepted")
         }
         ScalingByZeroError => format!("line {line}: {statement} has weight 0"),
         // The error is found after all lines are read; the line number comes from the text.

@@ -100,7 +100,7 @@ fn read_ascii(text: &str) -> Result<Surface, ReadError> {
         match keyword.as_str() {
             "vertex" => corners.push(ascii_position(words).ok_or_else(|| {
                 let found = quoted_line(line);
-                let reason = format!("line {}: {found} is no vertex; `vertex x y z` is accepted", number + 1);
+                let reason = format!("line {}: {found} is not a vertex; `vertex x y z` is accepted", number + 1);
                 ReadError::malformed(Format::Stl, reason)
             })?),
             "endloop" | "endfacet" if !corners.is_empty() => {
@@ -116,7 +116,8 @@ fn read_ascii(text: &str) -> Result<Surface, ReadError> {
         }
     }
     if let [first, ..] = foreign[..] {
-        surface.notes.push(format!("left out {} lines that are no STL, the first of them line {first}", foreign.len()));
+        let note = format!("left out {} lines that are not STL, the first of them line {first}", foreign.len());
+        surface.notes.push(note);
     }
     if !corners.is_empty() {
         return Err(ReadError::Truncated {

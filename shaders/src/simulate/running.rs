@@ -120,7 +120,7 @@ impl Running<'_> {
             .collect();
         let columns: Vec<Stretch> = pairs().flat_map(|(old, new)| column_stretches(old, new)).collect();
         let buffers = &mut self.buffers;
-        let during = format!("making room of {} (trials: {})", mib(&size.total()), setups.len());
+        let during = format!("allocating {} (trials: {})", mib(&size.total()), setups.len());
         device.guarded(&during, |device| {
             let mut encoder = encoder(device);
             for (buffer, label, bytes, stretches) in [

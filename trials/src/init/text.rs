@@ -40,7 +40,7 @@ impl Writer<'_> {
             Process::Sanding => "\"sanding\"   # a scan is a mask of 0 and 1",
         };
         let mut text = format!(
-            "# Guessed from the files of this folder. Check every line; FILL IN marks what no file tells.\n\
+            "# Guessed from the files of this folder. Check every line; FILL IN marks what no file states.\n\
              format = \"{TRIAL_FORMAT}\"\nname = {}\nprocess = {process}\n",
             quoted(&name)
         );
@@ -79,7 +79,7 @@ impl Writer<'_> {
     /// A length of the tool, estimated or left open.
     fn length(&mut self, text: &mut String, key: &str, value: Option<f64>, why: &str) {
         let _ = match value {
-            Some(value) => writeln!(text, "{key} = {value:.2}   # guessed: {why}; say the true one"),
+            Some(value) => writeln!(text, "{key} = {value:.2}   # guessed: {why}; give the true value"),
             None => {
                 self.open.push(format!("[tool] {key}"));
                 writeln!(text, "{key} = 0.0   # FILL IN")
@@ -93,11 +93,11 @@ impl Writer<'_> {
         let mut text = format!("[scan]   # the order of scans is guessed {reason}\n");
         match surface.and_then(|surface| surface.pitch) {
             Some(pitch) => {
-                let _ = writeln!(text, "# the distance between pixels stands in the file: {:.4} mm", pitch.x * 1e3);
+                let _ = writeln!(text, "# the file states the distance between pixels: {:.4} mm", pitch.x * 1e3);
             }
             None => {
                 self.open.push("[scan] pitch_mm".to_owned());
-                text.push_str("pitch_mm = 0.0   # FILL IN: distance between pixels, which the file does not tell\n");
+                text.push_str("pitch_mm = 0.0   # FILL IN: distance between pixels, which the file does not state\n");
             }
         }
         text.push_str(&self.origin(surface.and_then(|surface| surface.origin)));
@@ -119,9 +119,9 @@ impl Writer<'_> {
     fn origin(&mut self, own: Option<DVec2>) -> String {
         let guess = self.placing.origin;
         match (own, guess) {
-            (Some(own), _) => format!("# x, y of the first pixel stand in the file: {}\n", millimetres(own)),
+            (Some(own), _) => format!("# the file states x, y of the first pixel: {}\n", millimetres(own)),
             (None, Some(guess)) => {
-                let along = if self.placing.slides_along { "; along the path nothing tells" } else { "" };
+                let along = if self.placing.slides_along { "; its position along the path is unknown" } else { "" };
                 format!("origin_mm = {}   # guessed: the track lies under the path{along}\n", millimetres(guess))
             }
             (None, None) => {

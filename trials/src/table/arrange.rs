@@ -33,7 +33,7 @@ impl Reading<'_> {
         let Some(column) = self.columns.order else { return Ok(None) };
         let cells: Vec<&str> = self.order.iter().map(String::as_str).collect();
         let order = Order::of(&cells).map_err(|at| {
-            let found = format!("{} is no number, and no date as in the rows before", quoted(&self.order[at]));
+            let found = format!("{} is neither a number nor a date as in the rows before", quoted(&self.order[at]));
             Place::cell(file, self.rows[at].line, column + 1).bad::<TrialError>(
                 found,
                 "numbers, or dates such as 2024-03-31, 2024-03-31 14:05 or 31.03.2024, are expected",
@@ -55,7 +55,7 @@ impl Reading<'_> {
         for values in &mut self.others {
             *values = places.iter().map(|&at| values[at]).collect();
         }
-        Ok(Some(format!("rows are ordered {how}; {moved} stand elsewhere in the file")))
+        Ok(Some(format!("rows are ordered {how}; {moved} are elsewhere in the file")))
     }
 
     /// True if the order of the rows is that of time, with a note on it. If the manifest does not say, a file sorted by
@@ -75,8 +75,9 @@ impl Reading<'_> {
         let sorted = SETTINGS.into_iter().find(|(_, value)| is_sorted(&self.rows, *value));
         let Some((setting, _)) = sorted else { return (true, None) };
         let note = format!(
-            "the rows are sorted by {setting}, so their order is not taken for time: no drift and no use of the tool \
-             from row to row is sought. State order = \"file\" if they were done in this order, or order = \"none\""
+            "the rows are sorted by {setting}, so their order is not taken for time: neither drift nor tool history \
+             from row to row is searched for. State order = \"file\" if they were done in this order, or order = \
+             \"none\""
         );
         (false, Some(note))
     }

@@ -219,7 +219,7 @@ impl Search<'_> {
         let dimension = numbers.unit.dimension();
         let per_time = [LENGTH / TIME, VOLUME / TIME, MASS / TIME].contains(&dimension);
         if !per_time && !has_duration {
-            return Err(self.missing("duration", "it is expected where removed is no rate"));
+            return Err(self.missing("duration", "it is needed unless removed is a rate"));
         }
         let what = if per_time { dimension * TIME } else { dimension };
         if what != MASS {

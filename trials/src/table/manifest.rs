@@ -141,7 +141,7 @@ impl<'a> Section<'a> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match value.get_ref() {
             DeValue::String(text) => Ok(Some(Spanned::new(value.span(), text.to_string()))),
-            _ => Err(self.source.bad(value.span(), format!("{key} is no text"), "text in quotes is expected")),
+            _ => Err(self.source.bad(value.span(), format!("{key} is not a text"), "text in quotes is expected")),
         }
     }
 
@@ -186,7 +186,7 @@ impl<'a> Section<'a> {
             Some(noise) if noise > 0.0 && noise < 1.0 => Ok(Some(noise)),
             _ => Err(self.source.bad(
                 value.span(),
-                "noise is no share of the removal between 0 and 100 %",
+                "noise is not a share of the removal between 0 and 100 %",
                 "the standard deviation of a row over its removal is expected, such as noise = \"5 %\" or noise = 0.05",
             )),
         }
@@ -199,7 +199,7 @@ impl<'a> Section<'a> {
             DeValue::Table(table) => Ok(Section { source: self.source, name: key, at: value.span(), table }),
             _ => Err(self.source.bad(
                 value.span(),
-                format!("{key} is no table"),
+                format!("{key} is not a table"),
                 format!("{key} = {{ column = \"...\" }} is expected"),
             )),
         };

@@ -116,7 +116,7 @@ impl Columns {
         let need = |wanted: &str| {
             find(wanted).ok_or_else(|| {
                 let near = super::manifest::nearest(wanted, names.iter().map(String::as_str));
-                let hint = near.map_or(String::new(), |near| format!(" ({near:?} is near, but not it)"));
+                let hint = near.map_or(String::new(), |near| format!(" (the nearest is {near:?})"));
                 let found = format!("no column {wanted}{hint} in the header {}", quoted_names(&names, KNOWN_COLUMNS));
                 header
                     .place(0)

@@ -121,7 +121,7 @@ pub fn read_heights(file: &Path, frame: ScanFrame) -> Result<Read<HeightMap>, Tr
 /// of their own.
 fn placed(file: &Path, surface: Surface, frame: ScanFrame, notes: &mut Vec<String>) -> Result<HeightMap, TrialError> {
     let missing = |key: &str, what: &str| {
-        let found = format!("the file tells no {what}, and trial.toml has no {key}");
+        let found = format!("the file states no {what}, and trial.toml has no {key}");
         Place::file(file).bad::<TrialError>(found, format!("{key} in [scan] is needed"))
     };
     let usual = frame.like.map(|pixels| pixels.pitch).or(frame.pitch).map(DVec2::splat);
@@ -192,7 +192,7 @@ fn check_span(file: &Path, map: &HeightMap) -> Result<(), TrialError> {
     if high - low > MOST_SPAN {
         return Err(Place::file(file).bad(
             format!("the heights go from {:?} to {:?} mm", 1e3 * low, 1e3 * high),
-            "heights within a metre are expected: is one of these a word for a missing pixel? Leave such cells empty",
+            "heights within a metre are expected: does one of these mark a missing pixel? Leave such cells empty",
         ));
     }
     Ok(())

@@ -103,7 +103,7 @@ const OTHERS: &[Kind] = &[
                 fs::copy(t.folder.join("kept"), o.folder.join(&name)).unwrap();
             }
         },
-        Refused("did files of the two trials change places"),
+        Refused("were files of the two trials swapped"),
     ),
     (
         "the whole trial is another",

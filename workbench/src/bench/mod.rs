@@ -73,6 +73,6 @@ impl Bench {
         let tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
         tasks
             .send(task)
-            .map_err(|_| Refusal::early("the measurements could not be read; mend them and open them again"))
+            .map_err(|_| Refusal::early("the measurements could not be read; correct them and open them again"))
     }
 }

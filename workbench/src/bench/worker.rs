@@ -102,7 +102,7 @@ fn is_overtaken(task: &Task, next: &Task) -> bool {
 
 fn words_of(panic: &(dyn Any + Send)) -> String {
     let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    format!("a fault of the program, which is worth a report: {}", words.unwrap_or("it said nothing"))
+    format!("a bug in this program; please report it: {}", words.unwrap_or("it said nothing"))
 }
 
 impl<'m> Worker<'m> {

@@ -42,12 +42,12 @@ impl Format for Db3 {
         let mut rows = statement.query([]).map_err(refused)?;
         let mut left = bytes.len() / LEAST_MESSAGE;
         while let Some(row) = rows.next().map_err(refused)? {
-            left = left.checked_sub(1).ok_or_else(|| bag.bad("more messages than the file is long"))?;
+            left = left.checked_sub(1).ok_or_else(|| bag.bad("more messages than the file has bytes"))?;
             let (id, logged): (i64, i64) = (row.get(0).map_err(refused)?, row.get(1).map_err(refused)?);
             let data = row.get_ref(2).map_err(refused)?;
             let data = data.as_blob().map_err(|error| bag.bad(error.to_string()))?;
             let Some((topic, kind, format)) = topics.get(&id) else {
-                return Err(bag.bad(format!("a message of topic {id}, which is not there")));
+                return Err(bag.bad(format!("a message of the unknown topic {id}")));
             };
             match format.as_str() {
                 "cdr" => bag.push(&Message { topic, kind, logged, data })?,

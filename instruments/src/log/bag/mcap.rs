@@ -40,7 +40,7 @@ impl Format for Mcap {
                 Ok(record) => reading.record(record)?,
                 // An unfinished recording is read as far as possible.
                 Err(McapError::UnexpectedEof) => {
-                    reading.bag.notes.push("the file ends within a record: it is read as far as it goes".to_owned());
+                    reading.bag.notes.push("the file ends within a record: the complete records are read".to_owned());
                     break;
                 }
                 Err(error) => return Err(reading.bag.bad(error.to_string())),
@@ -80,7 +80,7 @@ impl Reading<'_> {
 
     fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), Misread> {
         let Some((topic, schema, encoding)) = self.topics.get(&header.channel_id) else {
-            return Err(self.bag.bad(format!("a message of channel {}, which is not there", header.channel_id)));
+            return Err(self.bag.bad(format!("a message of the unknown channel {}", header.channel_id)));
         };
         let kind = self.schemas.get(schema).map_or("", String::as_str);
         if encoding != "cdr" {
@@ -124,10 +124,10 @@ impl Reading<'_> {
     fn unpack(&self, method: &str, packed: impl Read, size: u64) -> Result<Vec<u8>, Misread> {
         let mut unpacked = Vec::new();
         let done = packed.take(size + 1).read_to_end(&mut unpacked);
-        done.map_err(|error| self.bag.bad(format!("a chunk that is no {method}: {error}")))?;
+        done.map_err(|error| self.bag.bad(format!("a chunk that is not valid {method}: {error}")))?;
         match unpacked.len() as u64 == size {
             true => Ok(unpacked),
-            false => Err(self.bag.bad(format!("a chunk of another length than the {size} bytes that it says"))),
+            false => Err(self.bag.bad(format!("a chunk whose length differs from its stated {size} bytes"))),
         }
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn find(file: &Path, shape: Shape, above: &[Line], rows: &[Line]) -> 
                 header.names = names;
                 rest = before;
                 if is_comment(last.text, shape.0) {
-                    header.notes.push(format!("the header stands in the comment of line {}", last.number));
+                    header.notes.push(format!("the header is the comment in line {}", last.number));
                 }
             }
             None => refuse_wrong_count(file, shape, last)?,

@@ -83,7 +83,7 @@ impl Header {
         }
         match section {
             Some((start, _)) => {
-                Err(Place::line(file, start).bad("a section without its end", "a whole header is expected"))
+                Err(Place::line(file, start).bad("a section without its end", "a complete header is expected"))
             }
             None => Ok(header),
         }

@@ -50,7 +50,7 @@ impl Format for Diadem {
         }
         if !data.is_empty() {
             let names: Vec<&str> = data.keys().map(String::as_str).collect();
-            channels.notes.push(format!("values stand in {} beside it", names.join(", ")));
+            channels.notes.push(format!("values are in {} beside it", names.join(", ")));
         }
         Ok(channels)
     }
@@ -71,8 +71,9 @@ fn values(
     if !data.contains_key(name) {
         let folder = file.parent().unwrap_or(Path::new("."));
         let beside = named_file::place(folder, Path::new(name));
-        let path = beside
-            .map_err(|_| place().bad::<Misread>("a file of values that is not beside it", "it is expected there"))?;
+        let path = beside.map_err(|_| {
+            place().bad::<Misread>("a file of values outside this folder", "a file beside the header is expected")
+        })?;
         data.insert(name.clone(), input::read(&path, MOST_TABLE_BYTES)?);
     }
     let bytes = &data[name];

@@ -108,7 +108,7 @@ fn time_step(channels: &Channels, roles: &Roles) -> Option<f64> {
 fn time_unit(values: &[f64]) -> (&'static str, String, bool) {
     let step = middle_step(values);
     if step.is_nan() || step <= 0.0 {
-        return ("s", "its values do not rise, so it may be no time".to_owned(), false);
+        return ("s", "its values do not increase, so it may not be a time".to_owned(), false);
     }
     let (unit, is_sure) = match step {
         _ if step < 0.9 => ("s", true),

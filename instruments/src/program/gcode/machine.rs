@@ -115,14 +115,14 @@ impl<'a> Machine<'a> {
             30 => self.motion = Some(Motion::Arc { is_clockwise: false }),
             40 => {
                 block.has_dwell = true;
-                self.reading.pass("G4 waits, which no time of a point shows", line);
+                self.reading.pass("G4 is a dwell, which a path does not show", line);
             }
             170 => self.plane = Plane::Xy,
             180 => self.plane = Plane::Zx,
             190 => self.plane = Plane::Yz,
             200 => (self.unit, self.has_unit) = (INCH, true),
             210 => (self.unit, self.has_unit) = (MILLIMETRE, true),
-            430 => self.reading.pass("G43 shifts z by the tool's length, which the program does not say", line),
+            430 => self.reading.pass("G43 shifts z by the tool's length, which the program does not state", line),
             540..=599 => self.select(code, line)?,
             800 => self.motion = None,
             900 => self.is_incremental = false,
@@ -141,7 +141,7 @@ impl<'a> Machine<'a> {
         if self.system.is_some_and(|own| own != system) && !self.reading.program.points.is_empty() {
             return self.reading.bad(
                 line,
-                format!("the work offset G{system} on the way"),
+                format!("a second work offset G{system} in the path"),
                 "one for the whole path is accepted",
             );
         }
@@ -157,7 +157,7 @@ impl<'a> Machine<'a> {
             3 => self.turn = Some(1.0),
             4 => self.turn = Some(-1.0),
             5 => self.turn = Some(0.0),
-            0 | 1 => self.reading.pass("M0 and M1 stop, which no time of a point shows", line),
+            0 | 1 => self.reading.pass("M0 and M1 are stops, which a path does not show", line),
             6 => self.reading.pass("M6 changes the tool", line),
             7..=9 => {}
             48 | 49 => {}
@@ -193,7 +193,7 @@ impl<'a> Machine<'a> {
 
     fn travel(&mut self, block: &Block, line: u64) -> Result<(), Misread> {
         let Some(motion) = self.motion else {
-            return self.reading.bad(line, "a place without G0, G1, G2 or G3 before it", ACCEPTED);
+            return self.reading.bad(line, "a position without G0, G1, G2 or G3 before it", ACCEPTED);
         };
         let start = self.position;
         let mut end = start;

@@ -75,10 +75,7 @@ fn from_data_uri(data: &str) -> Result<Vec<u8>, ReadError> {
 }
 
 fn not_looked_for(uri: &str) -> ReadError {
-    malformed(format!(
-        "the buffer named by {} is not looked for; files beside the .gltf and data URIs are accepted",
-        measured(uri)
-    ))
+    malformed(format!("the buffer {} is not read; files beside the .gltf and data URIs are accepted", measured(uri)))
 }
 
 /// Decodes escapes such as `%20`; other text is unchanged.

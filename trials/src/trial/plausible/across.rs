@@ -85,7 +85,7 @@ fn is_same(a: &HeightMap, b: &HeightMap) -> bool {
 }
 
 /// Expectation in the messages of these checks.
-const ONE_PLACE: &str = "logs and scans of one workpiece are expected: did files of the two trials change places?";
+const ONE_PLACE: &str = "logs and scans of one workpiece are expected: were files of the two trials swapped?";
 
 /// Refuses a trial whose logs follow the surface of another trial instead of its own, and two trials that were swapped.
 fn check_places(trials: &[Trial]) -> Result<(), TrialError> {
