@@ -17,7 +17,7 @@ use files::output::FileKind;
 
 /// User's settings of a field.
 #[derive(Clone, Copy, Debug)]
-pub struct FieldWishes {
+pub struct FieldSettings {
     /// Unit of the file's coordinates.
     pub unit: UnitChoice,
     /// Voxel size.
@@ -30,7 +30,7 @@ pub struct FieldWishes {
     pub shell: Option<f64>,
 }
 
-impl FieldWishes {
+impl FieldSettings {
     /// Returns the options of baking a part.
     pub fn options(&self, part: &Part) -> BakeOptions {
         BakeOptions {

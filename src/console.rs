@@ -19,7 +19,7 @@ pub struct Progress {
 
 impl Progress {
     /// Reports that `done` of `all` parts are done; `what` is the last of them.
-    pub fn tell(&self, what: &str, done: usize, all: usize) {
+    pub fn report(&self, what: &str, done: usize, all: usize) {
         self.bar.set_position((100 * done / all.max(1)) as u64);
         let quarter = 4 * done / all.max(1);
         if self.bar.is_hidden() && self.quarters.fetch_max(quarter, Ordering::Relaxed) < quarter {
@@ -63,7 +63,7 @@ impl Console {
     }
 
     /// Returns true if steps of the work are reported.
-    pub fn tells_steps(&self) -> bool {
+    pub fn reports_steps(&self) -> bool {
         self.steps
     }
 

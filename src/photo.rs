@@ -25,14 +25,14 @@ pub const PHOTOGRAPHS: FolderKind = FolderKind {
 const PICTURES_PER_SECOND: u16 = 12;
 
 /// Backend of photographs.
-pub enum Darkroom<'a> {
+pub enum PhotoBackend<'a> {
     /// CPU.
     Cpu,
     /// GPU.
     Device(Photographer<'a>),
 }
 
-impl<'a> Darkroom<'a> {
+impl<'a> PhotoBackend<'a> {
     /// Uses the device, or the CPU without one.
     ///
     /// # Errors

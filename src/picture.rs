@@ -62,14 +62,14 @@ pub fn overview(
 ) -> Result<Picture> {
     let bounds = grid.surface_bounds().or_else(|| grid.near_surface_bounds());
     let (low, high) = bounds.context("the field holds no surface to draw")?;
-    let (azimuth, elevation) = three_quarter_view(grid, weld, Horizon::Either);
+    let (azimuth, elevation) = three_quarter_view(grid, weld, CameraRange::Either);
     let camera = Camera::framing(low, high, azimuth, elevation, width as f64 / height as f64);
     Ok(render(grid, &camera, &View { samples_per_side, ..view(width, height, None) }).to_srgb8())
 }
 
 /// Range of the camera in a standard view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Horizon {
+pub enum CameraRange {
     /// Above the horizon only, because the part stands on a surface.
     Above,
     /// Above the horizon, or below it if a weld is visible only from there.
@@ -77,10 +77,10 @@ pub enum Horizon {
 }
 
 /// Returns azimuth and elevation [rad] of the standard view that shows most of a weld.
-pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>, horizon: Horizon) -> (f64, f64) {
+pub fn three_quarter_view(grid: &BrickGrid, weld: Option<&WeldTruth>, horizon: CameraRange) -> (f64, f64) {
     let elevations = match horizon {
-        Horizon::Above => &[32f64][..],
-        Horizon::Either => &[32.0, -32.0],
+        CameraRange::Above => &[32f64][..],
+        CameraRange::Either => &[32.0, -32.0],
     };
     let azimuths = [-58f64, 32.0, 122.0, 212.0];
     let views =

@@ -22,21 +22,21 @@ use study::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 
 use lab::{Origin, identity, model_origin};
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
-use trials::measure::{CLEARANCE, Freedom, despiked, noise_floor, register, untouched};
+use trials::measure::{CLEARANCE, DegreesOfFreedom, despiked, noise_floor, register, untouched};
 use trials::trial::{HeldTool, PassScan, ToolPath, Trial, exposure_csv, heights_csv};
 
 /// Name of the result file.
-pub const REHEARSAL_FILE: &str = "simulation.json";
+pub const SIMULATION_FILE: &str = "simulation.json";
 /// Other files of a simulated trial.
-const REHEARSAL_NAMES: &[&str] = &["after.nvdb", "pass*_log.csv", "pass*_after.csv", "pass*_exposed.csv"];
+const SIMULATION_NAMES: &[&str] = &["after.nvdb", "pass*_log.csv", "pass*_after.csv", "pass*_exposed.csv"];
 /// Kind of a simulated trial's folder.
 pub const TRIAL_RUN: FolderKind = FolderKind {
-    marker: REHEARSAL_FILE,
+    marker: SIMULATION_FILE,
     key: "trial",
-    names: &[("", REHEARSAL_NAMES), ("covariates/", &["pass*_*.csv"]), ("", STATE_NAMES)],
+    names: &[("", SIMULATION_NAMES), ("covariates/", &["pass*_*.csv"]), ("", STATE_NAMES)],
 };
 /// Value of its `format` key.
-const REHEARSAL_FORMAT: &str = "robofin-simulation/1";
+const SIMULATION_FORMAT: &str = "robofin-simulation/1";
 
 /// A simulated trial.
 pub struct TrialRun {
@@ -158,7 +158,7 @@ impl TrialRun {
             PassScan::Heights(_) => None,
         });
         TrialRunSummary {
-            format: REHEARSAL_FORMAT,
+            format: SIMULATION_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             trial: trial.name.clone(),
             voxel_mm: self.state.part.voxel * 1e3,
@@ -205,7 +205,7 @@ impl TrialRun {
             fs::write(place(&format!("pass{}_{name}.csv", i + 1)), text)?;
         }
         fs::write(place("after.nvdb"), nvdb::write_field(&self.state.part, Codec::Zip)?)?;
-        write_json(&place(REHEARSAL_FILE), summary)?;
+        write_json(&place(SIMULATION_FILE), summary)?;
         staged.commit()?;
         console.step("written", "logs, scans, field and figures");
         Ok(())
@@ -249,7 +249,7 @@ pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Opti
         let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
     }
-    let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let laid = register(&measured, simulated, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
     let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
     Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
 }

@@ -44,12 +44,12 @@ pub struct WeldingOptions {
     /// Sign rule.
     pub sign: SignChoice,
     /// Requested properties of the weld; the others are chosen for the part.
-    pub wishes: WeldWishes,
+    pub wishes: WeldSettings,
 }
 
 /// User's settings of the weld; the other properties are chosen for the part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct WeldWishes {
+pub struct WeldSettings {
     /// Preset of the dials that are not set below.
     pub difficulty: Difficulty,
     /// Number of welds; the default is one.
@@ -169,7 +169,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
     let (target, report) = bake(&part.mesh, &baking).map_err(needs_solid)?;
     console.step("bake", describe_baking(&report, &target));
 
-    if console.tells_steps()
+    if console.reports_steps()
         && let Some(warning) = describe_volume(&part.mesh, &target)
     {
         console.step("note", warning);
@@ -177,7 +177,7 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
 
     let (mut welded, mut placed) = (target.clone(), Vec::new());
     for (id, weld) in (FIRST_WELD..).zip(welds?) {
-        tell_weld(&weld, console);
+        report_weld(&weld, console);
         let mut with_bead = add(&welded, &weld, id, (&baking, options.wishes.toe_radius))?;
         if !weld.cuts.triangles.is_empty() {
             with_bead = cut(&with_bead, &weld, (&baking, &target), id)?;
@@ -237,7 +237,7 @@ fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickG
     Ok(left)
 }
 
-impl WeldWishes {
+impl WeldSettings {
     /// Makes the request for a part with the user's settings; sizes set by the user are never shrunk.
     fn request(&self, part: &Part, voxel: f64) -> WeldRequest {
         let chosen = WeldRequest::of_difficulty(&part.mesh, voxel, self.difficulty);
@@ -270,7 +270,7 @@ impl WeldWishes {
     }
 }
 
-fn tell_weld(weld: &Weld, console: &Console) {
+fn report_weld(weld: &Weld, console: &Console) {
     console.step("weld", describe_weld(weld));
     for warning in limits::bead_warnings(weld) {
         console.step("warning", warning);

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use lab::{Diagnosis, Evidence, Verdict};
 
+use super::answer::{CaseAnswer, ExpectedAnswer};
 use super::cases::Case;
-use super::said::{Asked, Said};
 
 /// Ratio of the error to the noise floor up to which the baseline takes the model for complete.
 const NEAR_FLOOR: f64 = 1.1;
@@ -13,7 +13,7 @@ const NEAR_FLOOR: f64 = 1.1;
 /// Residual regression: names the effect whose simulated change has the greatest correlation with the base model's
 /// residual, in the data's own unit, neither whitened nor fitted together with the base parameters. It names none if
 /// the base model is near the floor.
-pub(super) fn regression(evidence: &dyn Evidence, diagnosis: &Diagnosis, [rms, floor]: [f64; 2]) -> Said {
+pub(super) fn regression(evidence: &dyn Evidence, diagnosis: &Diagnosis, [rms, floor]: [f64; 2]) -> CaseAnswer {
     let round = &diagnosis.rounds[0];
     let left = &round.base.residuals;
     let responses =
@@ -23,8 +23,8 @@ pub(super) fn regression(evidence: &dyn Evidence, diagnosis: &Diagnosis, [rms, f
     });
     let best = correlated.filter(|(_, c)| c.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
     match best {
-        Some((name, _)) if rms > NEAR_FLOOR * floor => Said::sure(Verdict::Identified, Some(name)),
-        _ => Said::sure(Verdict::NothingMissing, None),
+        Some((name, _)) if rms > NEAR_FLOOR * floor => CaseAnswer::sure(Verdict::Identified, Some(name)),
+        _ => CaseAnswer::sure(Verdict::NothingMissing, None),
     }
 }
 
@@ -35,15 +35,15 @@ fn correlation(norm: &dyn Fn(&[f64]) -> f64, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Names for every case the effect that is hidden most often; of equally frequent ones the first by name.
-pub(super) fn most_common(cases: &[&Case]) -> Said {
+pub(super) fn most_common(cases: &[&Case]) -> CaseAnswer {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for case in cases.iter().filter(|case| case.asked() == Asked::Names) {
+    for case in cases.iter().filter(|case| case.asked() == ExpectedAnswer::Names) {
         *counts.entry(case.hidden[0].as_str()).or_default() += 1;
     }
     let most = counts.iter().rev().max_by_key(|(_, count)| **count);
     match most {
-        Some((name, _)) => Said::sure(Verdict::Identified, Some(name)),
-        None => Said::sure(Verdict::NothingMissing, None),
+        Some((name, _)) => CaseAnswer::sure(Verdict::Identified, Some(name)),
+        None => CaseAnswer::sure(Verdict::NothingMissing, None),
     }
 }
 

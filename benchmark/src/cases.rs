@@ -115,7 +115,7 @@ const EQUAL_PASSES: [&str; 4] = ["pressure-exponent", "break-in", "surface-layer
 const FRONTS: [FrontEnd; 6] =
     [FrontEnd::Frame, FrontEnd::Clock, FrontEnd::Ripple, FrontEnd::Texture, FrontEnd::Worn, FrontEnd::Hard];
 /// Process and hidden effect of the cases with these front ends; `None` hides nothing.
-const BEHIND: [(Process, Option<&str>); 6] = [
+const HIDDEN_BEHIND_FRONT_ENDS: [(Process, Option<&str>); 6] = [
     (Process::Grinding, None),
     (Process::Grinding, Some("grit-dulling")),
     (Process::Sanding, None),
@@ -124,7 +124,7 @@ const BEHIND: [(Process, Option<&str>); 6] = [
     (Process::Grinding, Some("speed-exponent")),
 ];
 /// Process and hidden effect of the cases with a worn tool: effects of the tool's history; `None` hides nothing.
-const BEHIND_WORN: [(Process, Option<&str>); 6] = [
+const HIDDEN_BEHIND_WORN_TOOL: [(Process, Option<&str>); 6] = [
     (Process::Grinding, Some("grit-dulling")),
     (Process::Sanding, Some("pad-loading")),
     (Process::Grinding, Some("wheel-wear")),
@@ -143,7 +143,7 @@ pub const POWER: [(Process, &str); 5] = [
 /// An effect of the library that describes each pass separately and explains none.
 const NO_CAUSE: &str = "pass-gain";
 /// Effects that no single-effect case hides: those that every fit absorbs, and [`NO_CAUSE`].
-const UNFIT: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", NO_CAUSE];
+const NEVER_HIDDEN: [&str; 4] = ["scan-tilt", "scan-shift", "lateral-blur", NO_CAUSE];
 /// Stride in the list from one effect to the next: a prime, so that a round reaches all of them.
 const STRIDE: usize = 7;
 
@@ -210,7 +210,7 @@ fn cycle<T: Copy>(list: &[T], number: usize) -> T {
 
 /// All effects of the library that may be hidden, when grinding and when sanding.
 fn singles(library: &Library) -> Vec<(&str, Process)> {
-    let known = library.effects().iter().filter(|effect| !UNFIT.contains(&effect.name.as_str()));
+    let known = library.effects().iter().filter(|effect| !NEVER_HIDDEN.contains(&effect.name.as_str()));
     known.flat_map(|effect| acting(effect).map(|process| (effect.name.as_str(), process))).collect()
 }
 
@@ -231,7 +231,7 @@ fn single(number: usize, library: &Library) -> Draft<'_> {
 /// A hard front end, and the effect hidden behind it.
 fn behind(number: usize) -> Draft<'static> {
     let front = cycle(&FRONTS, number);
-    let list = if front == FrontEnd::Worn { &BEHIND_WORN } else { &BEHIND };
+    let list = if front == FrontEnd::Worn { &HIDDEN_BEHIND_WORN_TOOL } else { &HIDDEN_BEHIND_FRONT_ENDS };
     // Adding the round prevents a front end from always meeting the same hidden effects first.
     let (process, hidden) = cycle(list, number / FRONTS.len() + number % FRONTS.len());
     Draft { front, ..Draft::new(hidden, process, Plan::Varied) }

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::answer::{CaseAnswer, ExpectedAnswer};
 use super::cases::Case;
 use super::rate::Rate;
-use super::said::{Asked, Said};
 
 /// Bins of the reliability diagram.
 const BINS: usize = 10;
@@ -36,7 +36,7 @@ impl Forecast {
     }
 
     /// Puts all probability on an answer.
-    pub fn sure(said: &Said) -> Self {
+    pub fn sure(said: &CaseAnswer) -> Self {
         match said.named.first() {
             Some(named) => Self { effects: vec![(named.name.clone(), 1.0)], none: 0.0 },
             None => Self { effects: Vec::new(), none: 1.0 },
@@ -47,8 +47,8 @@ impl Forecast {
     /// is hidden.
     pub fn statements(&self, case: &Case) -> Vec<(f64, bool)> {
         let is_none = match case.asked() {
-            Asked::Names => false,
-            Asked::Unknown | Asked::Nothing => true,
+            ExpectedAnswer::Names => false,
+            ExpectedAnswer::Unknown | ExpectedAnswer::Nothing => true,
         };
         let effects = self.effects.iter().map(|(name, p)| (*p, case.is_there(name)));
         effects.chain([(self.none, is_none)]).collect()

@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use super::answer::{CaseAnswer, Judgement, NamedEffect};
 use super::baseline::regression;
 use super::cases::{Case, Design};
 use super::coverage::Interval;
 use super::error_gap::Errors;
 use super::forecast::Forecast;
 use super::ladder::hidden;
-use super::said::{Judgement, Named, Said};
 use lab::{BASE_STEP, LabError, ParameterSummary, Verdict};
 use study::{Measurements, StudyRecord, StudyState, inputs_sha256};
 use virtual_lab::write::{WriteError, write};
@@ -44,13 +44,13 @@ pub struct Outcome {
     /// Error with which the study refused the measurements or failed; absent if it ran to its end.
     pub refused: Option<String>,
     /// Verdict, named effects and hint of the study.
-    pub said: Said,
+    pub said: CaseAnswer,
     /// Judgement of this answer, given the hidden effects.
     pub judgement: Judgement,
     /// Probabilities of its first search.
     pub forecast: Forecast,
     /// Answer of residual regression, a baseline, on the same measurements.
-    pub regression: Said,
+    pub regression: CaseAnswer,
     /// Parameters of the final model with their true values.
     pub intervals: Vec<Interval>,
     /// Errors of the held-out passes [µm].
@@ -83,11 +83,11 @@ pub fn run(case: &Case, size: Size, library: &Library, scratch: &Path) -> Result
         false => library.clone(),
     };
     let started = Instant::now();
-    let studied = Studied::new(scratch, known, seed);
+    let studied = StudyResults::new(scratch, known, seed);
     let seconds = started.elapsed().as_secs_f64();
     let (studied, refused) = match studied {
         Ok(studied) => (studied, None),
-        Err(error) => (Studied::default(), Some(in_full(&error))),
+        Err(error) => (StudyResults::default(), Some(in_full(&error))),
     };
     Ok(studied.outcome((case, &made), refused, seconds))
 }
@@ -100,16 +100,16 @@ fn in_full(error: &dyn std::error::Error) -> String {
 
 /// Results of a study, before they are judged.
 #[derive(Default)]
-struct Studied {
-    said: Said,
+struct StudyResults {
+    said: CaseAnswer,
     first: Option<Value>,
-    regression: Said,
+    regression: CaseAnswer,
     parameters: Vec<ParameterSummary>,
     errors: Errors,
     next_trial: bool,
 }
 
-impl Studied {
+impl StudyResults {
     /// Studies a folder of trials to the end.
     fn new(folder: &Path, library: Library, seed: u64) -> Result<Self, LabError> {
         let measurements = Measurements::read(folder)?;
@@ -131,7 +131,7 @@ impl Studied {
         // A wrong frame or clock is not an effect of a search.
         let is_named = |name: &&String| studied.said.named.iter().any(|named| named.name == **name);
         let beside: Vec<String> = state.record.added.iter().filter(|name| !is_named(name)).cloned().collect();
-        studied.said.named.extend(beside.into_iter().map(|name| Named { name, alike: Vec::new() }));
+        studied.said.named.extend(beside.into_iter().map(|name| NamedEffect { name, alike: Vec::new() }));
         studied.parameters = state.parameters();
         let step = |name: Option<&str>| {
             let mut steps = state.record.waterfall.iter().rev();
@@ -148,7 +148,7 @@ impl Studied {
         let named = |effect: &Value| {
             let alike = effect["indistinguishable_from"].as_array().into_iter().flatten();
             let alike = alike.filter_map(|name| name.as_str().map(str::to_owned)).collect();
-            Some(Named { name: effect["name"].as_str()?.to_owned(), alike })
+            Some(NamedEffect { name: effect["name"].as_str()?.to_owned(), alike })
         };
         let effects = summary["effects"].as_array().map_or(&[][..], Vec::as_slice);
         // A study adds the first effect of each search; an uncertain one is named and not added.

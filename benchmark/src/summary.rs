@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use trials::measure::median;
 
+use super::answer::{CaseAnswer, ExpectedAnswer, Judgement};
 use super::baseline::most_common;
 use super::cases::{Case, Family};
 use super::coverage::{Coverage, coverage};
@@ -13,7 +14,6 @@ use super::forecast::{Forecast, Reliability, most_probable};
 use super::outcome::Outcome;
 use super::power::Power;
 use super::rate::Rate;
-use super::said::{Asked, Judgement, Said};
 use lab::Verdict;
 
 /// Shares of the answers by judgement. Every case counts in exactly one of the first five.
@@ -36,11 +36,11 @@ pub struct Scores {
 }
 
 impl Scores {
-    fn new<'a>(answers: impl Iterator<Item = (&'a Case, &'a Said, f64)>) -> Self {
-        let answers: Vec<(Asked, Judgement, f64)> =
+    fn new<'a>(answers: impl Iterator<Item = (&'a Case, &'a CaseAnswer, f64)>) -> Self {
+        let answers: Vec<(ExpectedAnswer, Judgement, f64)> =
             answers.map(|(case, said, brier)| (case.asked(), said.judged(case), brier)).collect();
         let is = |wanted: Judgement| Rate::new(answers.iter().map(|(_, judged, _)| *judged == wanted));
-        let unknown = answers.iter().filter(|(asked, _, _)| *asked == Asked::Unknown);
+        let unknown = answers.iter().filter(|(asked, _, _)| *asked == ExpectedAnswer::Unknown);
         Self {
             right: is(Judgement::Right),
             class: is(Judgement::Class),
@@ -58,7 +58,7 @@ impl Scores {
     }
 
     /// Scores of a baseline's guess for each of the cases.
-    fn of_guess<'a>(outcomes: &[&'a Outcome], guess: impl Fn(&'a Outcome) -> &'a Said) -> Self {
+    fn of_guess<'a>(outcomes: &[&'a Outcome], guess: impl Fn(&'a Outcome) -> &'a CaseAnswer) -> Self {
         Self::new(outcomes.iter().map(|o| (&o.case, guess(o), Forecast::sure(guess(o)).brier(&o.case))))
     }
 }
@@ -140,7 +140,7 @@ impl Summary {
         let all: Vec<&Outcome> = outcomes.iter().collect();
         let some = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|o| is(o)).copied().collect::<Vec<_>>();
         let of_family = |family: Family| some(&|o: &Outcome| o.case.family == family);
-        let names = some(&|o| o.case.asked() == Asked::Names);
+        let names = some(&|o| o.case.asked() == ExpectedAnswer::Names);
         let right: Vec<&Outcome> = names.iter().filter(|o| o.judgement == Judgement::Right).copied().collect();
         let statements: Vec<_> = all.iter().map(|o| o.forecast.statements(&o.case)).collect();
         let ambiguous = all.iter().filter(|o| o.said.verdict == Some(Verdict::Ambiguous));

@@ -2,6 +2,7 @@
 
 use effects::{Library, Process};
 
+use super::answer::CaseAnswer;
 use super::cases::Family;
 use super::coverage::Coverage;
 use super::error_gap::GapClosed;
@@ -9,7 +10,6 @@ use super::forecast::Reliability;
 use super::ladder::{RUNGS, rung};
 use super::outcome::Outcome;
 use super::power::Power;
-use super::said::Said;
 use super::summary::{Scores, Summary};
 use virtual_lab::Size;
 
@@ -181,7 +181,7 @@ fn row(outcome: &Outcome) -> String {
     )
 }
 
-impl Said {
+impl CaseAnswer {
     /// The verdict as `--json` writes it.
     pub fn verdict_word(&self) -> String {
         let word = self.verdict.and_then(|verdict| serde_json::to_value(verdict).ok());

@@ -163,7 +163,7 @@ impl Model {
 }
 
 /// Factor by which a written range extends past a value that lies outside the library's range.
-const ROOM: f64 = 3.0;
+const RANGE_MARGIN: f64 = 3.0;
 
 impl Model {
     /// The model's own ranges, and wider ones for values that lie outside the library's ranges.
@@ -190,9 +190,9 @@ impl Model {
 /// Widens a range to contain a value outside it, with a margin.
 fn with_room([low, high]: [f64; 2], value: f64) -> [f64; 2] {
     match value > high {
-        true => [low, value + (ROOM - 1.0) * value.abs()],
-        false if value > 0.0 => [value / ROOM, high],
-        false => [ROOM * value, high],
+        true => [low, value + (RANGE_MARGIN - 1.0) * value.abs()],
+        false if value > 0.0 => [value / RANGE_MARGIN, high],
+        false => [RANGE_MARGIN * value, high],
     }
 }
 

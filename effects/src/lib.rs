@@ -77,7 +77,7 @@ pub use states::States;
 pub use syntax::{Expr, Node};
 pub use unit::{Unit, UnitError};
 pub use variable::{Hook, Per, TABLE, Variable, VariableRow};
-pub use wgsl::{DeviceModel, Unwritable};
+pub use wgsl::{DeviceModel, UnsupportedPart};
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@
 use std::f64::consts::{FRAC_2_PI, LOG2_E, SQRT_2};
 
 /// Adding and subtracting it rounds to the nearest integer, ties to even.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+const ROUNDING_OFFSET: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts; the first has 21 trailing zero bits, so its multiples by exponents are exact.
 const LN2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -79,7 +79,7 @@ const COSINE_SERIES: [f64; 8] = [
 /// `2^n` for an integer n from -1022 to 1023.
 #[inline(always)]
 fn power_of_two(n: f64) -> f64 {
-    let whole = (n + ROUNDER).to_bits().wrapping_sub(ROUNDER.to_bits());
+    let whole = (n + ROUNDING_OFFSET).to_bits().wrapping_sub(ROUNDING_OFFSET.to_bits());
     f64::from_bits(whole.wrapping_shl(FRACTION_BITS).wrapping_add(ONE_BITS))
 }
 
@@ -99,7 +99,7 @@ fn polynomial(coefficients: &[f64; 12], x: f64) -> f64 {
 /// `x = n ln 2 + r`, |r| ≤ ln 2 / 2: n, and e^r − 1.
 #[inline(always)]
 fn reduced_exp(x: f64) -> (f64, f64) {
-    let n = (x * LOG2_E + ROUNDER) - ROUNDER;
+    let n = (x * LOG2_E + ROUNDING_OFFSET) - ROUNDING_OFFSET;
     let r = (x - n * LN2_HIGH) - n * LN2_LOW;
     (n, r + r * r * polynomial(&EXP_SERIES, r))
 }
@@ -111,7 +111,7 @@ pub fn exp(x: f64) -> f64 {
     let x = if x < -746.0 { -746.0 } else { x };
     let (n, above_one) = reduced_exp(x);
     // Two factors, because 2^n alone may overflow or underflow where the product does not.
-    let half = (n * 0.5 + ROUNDER) - ROUNDER;
+    let half = (n * 0.5 + ROUNDING_OFFSET) - ROUNDING_OFFSET;
     (1.0 + above_one) * power_of_two(half) * power_of_two(n - half)
 }
 
@@ -167,10 +167,10 @@ pub fn pow(a: f64, b: f64) -> f64 {
 /// `x = n π/2 + r`, |r| ≤ π/4: n modulo 4, and r.
 #[inline(always)]
 fn reduced_angle(x: f64) -> (f64, f64) {
-    let n = (x * FRAC_2_PI + ROUNDER) - ROUNDER;
+    let n = (x * FRAC_2_PI + ROUNDING_OFFSET) - ROUNDING_OFFSET;
     let r = ((x - n * RIGHT_ANGLE[0]) - n * RIGHT_ANGLE[1]) - n * RIGHT_ANGLE[2];
     // floor(n/4): n/4 − 3/8 is at most 3/8 from it, so that it rounds to it.
-    let fours = (n * 0.25 - 0.375 + ROUNDER) - ROUNDER;
+    let fours = (n * 0.25 - 0.375 + ROUNDING_OFFSET) - ROUNDING_OFFSET;
     (n - 4.0 * fours, r)
 }
 

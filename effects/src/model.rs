@@ -20,7 +20,7 @@ use super::definition::{Effect, Kind, Process, Rows};
 use super::error::{EffectError, Problem};
 use super::library::Library;
 use super::nearest::hint;
-use super::toml_text::{Bare, Entry, Section, Source};
+use super::toml_text::{BareNumber, Entry, Section, Source};
 use super::variable::{Hook, Variable};
 
 /// A law or effect of a model, with the values that differ from its defaults.
@@ -239,7 +239,7 @@ impl Model {
         let mut ranges = Vec::new();
         for (path, entry) in table.entries() {
             let unit = self.parameter(path, library).map_err(|_| unknown_path(&entry, path))?;
-            match entry.quantities(unit, Bare::Refused)?[..] {
+            match entry.quantities(unit, BareNumber::Refused)?[..] {
                 [low, high] if low < high && low.is_finite() && high.is_finite() => {
                     ranges.push((path.to_owned(), [low, high]));
                 }
@@ -358,7 +358,7 @@ fn parts(root: &Section, key: &str, library: &Library) -> Result<Vec<ModelPart>,
         table.accept(&names)?;
         let values = table.entries().map(|(name, entry)| {
             let parameter = effect.parameter(name).expect("names are checked above");
-            let values = entry.quantities(parameter.unit, Bare::Refused)?;
+            let values = entry.quantities(parameter.unit, BareNumber::Refused)?;
             if values.is_empty() || (parameter.per == Rows::Model && values.len() > 1) {
                 return Err(entry.unfit(format!("{} values", values.len()), "one value"));
             }

@@ -4,7 +4,7 @@ use super::definition::{
     ByProcess, Change, Definition, Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
 };
 use super::error::{EffectError, Problem};
-use super::toml_text::{Bare, Entry, Section, Source, named};
+use super::toml_text::{BareNumber, Entry, Section, Source, named};
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
 
@@ -102,10 +102,10 @@ fn parameter(name: &str, table: &Section) -> Result<Parameter, EffectError> {
     table.accept(&PARAMETER_KEYS)?;
     let (unit, unit_text) = unit(table)?;
     let scale = table.choice("scale", &[("linear", Scale::Linear), ("lin", Scale::Linear), ("log", Scale::Log)])?;
-    let null = table.get("null").map(|entry| entry.quantity(unit, Bare::InUnit)).transpose()?;
+    let null = table.get("null").map(|entry| entry.quantity(unit, BareNumber::InUnit)).transpose()?;
     let range = by_process(&table.need("range")?, |entry| range(entry, unit, scale))?;
     let default = match table.get("default") {
-        Some(entry) => by_process(&entry, |entry| entry.quantity(unit, Bare::InUnit))?,
+        Some(entry) => by_process(&entry, |entry| entry.quantity(unit, BareNumber::InUnit))?,
         None => ByProcess { grinding: middle(range.grinding, scale), sanding: middle(range.sanding, scale) },
     };
     let free = match table.get("free") {
@@ -143,7 +143,7 @@ fn unit(table: &Section) -> Result<(Unit, String), EffectError> {
 }
 
 fn range(entry: &Entry, unit: Unit, scale: Scale) -> Result<[f64; 2], EffectError> {
-    let values = entry.quantities(unit, Bare::InUnit)?;
+    let values = entry.quantities(unit, BareNumber::InUnit)?;
     let expected = match scale {
         Scale::Linear => "two finite numbers, the lesser first",
         Scale::Log => "two finite numbers above zero, the lesser first",
@@ -193,7 +193,7 @@ fn state(name: &str, table: &Section) -> Result<State, EffectError> {
     let resets =
         [("fresh_tool", Reset::FreshTool), ("trial", Reset::Trial), ("pass", Reset::Pass), ("never", Reset::Never)];
     let bound = |key: &str, open: f64| match table.get(key) {
-        Some(entry) => entry.quantity(unit, Bare::InUnit),
+        Some(entry) => entry.quantity(unit, BareNumber::InUnit),
         None => Ok(open),
     };
     let initial = bound("initial", 0.0)?;

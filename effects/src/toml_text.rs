@@ -177,7 +177,7 @@ impl<'a> Entry<'a> {
     }
 
     /// Reads the entry as one quantity [SI] or a list of them. `unit` is that of plain numbers.
-    pub fn quantities(&self, unit: Unit, bare: Bare) -> Result<Vec<f64>, EffectError> {
+    pub fn quantities(&self, unit: Unit, bare: BareNumber) -> Result<Vec<f64>, EffectError> {
         match self.item.as_value() {
             Some(Value::Array(array)) => array.iter().map(|value| self.quantity_of(value, unit, bare)).collect(),
             Some(value) => Ok(vec![self.quantity_of(value, unit, bare)?]),
@@ -186,18 +186,18 @@ impl<'a> Entry<'a> {
     }
 
     /// Reads the entry as one quantity [SI].
-    pub fn quantity(&self, unit: Unit, bare: Bare) -> Result<f64, EffectError> {
+    pub fn quantity(&self, unit: Unit, bare: BareNumber) -> Result<f64, EffectError> {
         match self.item.as_value() {
             Some(value) => self.quantity_of(value, unit, bare),
             None => Err(self.unfit(self.found(), "a number")),
         }
     }
 
-    fn quantity_of(&self, value: &Value, unit: Unit, bare: Bare) -> Result<f64, EffectError> {
+    fn quantity_of(&self, value: &Value, unit: Unit, bare: BareNumber) -> Result<f64, EffectError> {
         let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
         if let Some(number) = number {
             // Zero and infinity are the same in every unit.
-            let plain = number == 0.0 || number.is_infinite() || unit == Unit::ONE || bare == Bare::InUnit;
+            let plain = number == 0.0 || number.is_infinite() || unit == Unit::ONE || bare == BareNumber::InUnit;
             if number.is_nan() || !plain {
                 return Err(self.unfit(format!("{number}"), "a text with number and unit, such as \"350 mm^3\""));
             }
@@ -227,7 +227,7 @@ pub(super) fn named(found: &str, accepted: &[&str]) -> String {
 
 /// Interpretation of a number without a unit.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Bare {
+pub enum BareNumber {
     /// The number is in the unit of the parameter.
     InUnit,
     /// The number is rejected, unless the unit is 1.

@@ -107,7 +107,7 @@ const EVERYWHERE: &[Hook] =
 /// Hooks over contact cells.
 const CELL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell];
 /// Hooks over contact cells whose depth is known.
-const PRESSED: &[Hook] = &[Pressure, Rate, Dose, WorkpieceCell];
+const CONTACT: &[Hook] = &[Pressure, Rate, Dose, WorkpieceCell];
 /// Hooks over contact cells and pixels.
 const CELL_PIXEL: &[Hook] = &[Shape, Pressure, Rate, Dose, WorkpieceCell, Height];
 /// Hooks over contact cells and tool cells.
@@ -184,9 +184,9 @@ variables! {
     Z "z" ["m"] Cell CELL, -0.01..0.01, "place in the workpiece frame";
     ToolX "tool_x" ["m"] Cell CELL, -0.02..0.02, "place in the tool's frame";
     ToolY "tool_y" ["m"] Cell CELL_TOOL, -0.02..0.02, "place in the tool's frame; of a tool cell, its centre's";
-    Depth "depth" ["m"] Cell PRESSED, 0.0..1e-3, "depth of the workpiece's surface in the tool, gap subtracted";
-    DepthRate "depth_rate" ["m/s"] Cell PRESSED, -1e-2..1e-2, "change of depth per time at this place of the workpiece";
-    DepthLaplacian "depth_laplacian" ["1/m"] Cell PRESSED, -10.0..10.0, "second derivatives of depth along x and y, summed";
+    Depth "depth" ["m"] Cell CONTACT, 0.0..1e-3, "depth of the workpiece's surface in the tool, gap subtracted";
+    DepthRate "depth_rate" ["m/s"] Cell CONTACT, -1e-2..1e-2, "change of depth per time at this place of the workpiece";
+    DepthLaplacian "depth_laplacian" ["1/m"] Cell CONTACT, -10.0..10.0, "second derivatives of depth along x and y, summed";
     SlipSpeed "slip_speed" ["m/s"] Cell &[Pressure, Rate, Dose, WorkpieceCell, ToolCell], 0.0..60.0,
         "speed of the tool's surface over the workpiece";
     RemovedDepth "removed_depth" ["m"] Cell CELL_PIXEL, 0.0..1e-3, "depth below the surface as it was before the trial";

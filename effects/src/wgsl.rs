@@ -29,7 +29,7 @@ pub struct DeviceModel {
 
 /// The part of a model that a device cannot run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unwritable {
+pub enum UnsupportedPart {
     /// A variable that needs a pass over the whole height field.
     #[error("the hook {0} reads edge_distance")]
     EdgeDistance(Hook),
@@ -55,13 +55,13 @@ const STEP_HOOKS: [Hook; 3] = [Hook::Pose, Hook::Spindle, Hook::Force];
 
 impl DeviceModel {
     /// Writes a model for a tool with this number of cells.
-    pub fn new(model: &CompiledModel, tool_cells: usize) -> Result<Self, Unwritable> {
+    pub fn new(model: &CompiledModel, tool_cells: usize) -> Result<Self, UnsupportedPart> {
         let reads_edges = |place: &Hook| model.needs(*place).contains(&Variable::EdgeDistance);
         if let Some(place) = LANE_HOOKS.into_iter().find(reads_edges) {
-            return Err(Unwritable::EdgeDistance(place));
+            return Err(UnsupportedPart::EdgeDistance(place));
         }
         if let Some(state) = model.cell_states().first() {
-            return Err(Unwritable::WorkpieceState(state.name.clone()));
+            return Err(UnsupportedPart::WorkpieceState(state.name.clone()));
         }
         let count = |holder: Holder| model.structure.states.of(holder).len();
         let parameters = Variable::COUNT;

@@ -21,7 +21,7 @@ use crate::task::Task;
 /// Height of the tool above the weld at the start of a pass [m].
 const CLEARANCE: f64 = 2e-4;
 /// Reward lost to elapsed time over a whole episode [1].
-const HASTE: f64 = 0.1;
+const TIME_PENALTY: f64 = 0.1;
 /// Assumed greatest depth of the tool in the surface [m]; the changed stretch of surface follows from it.
 const SINK: f64 = 3e-4;
 /// Default time for sanding, in travels to and fro at a tenth of the greatest feed [1].
@@ -179,7 +179,7 @@ impl Environment {
         }
         self.metrics.time += period;
         let last = std::mem::replace(&mut self.cost, cost(&self.task, &self.strip));
-        let reward = last - self.cost - HASTE * period / self.time_limit;
+        let reward = last - self.cost - TIME_PENALTY * period / self.time_limit;
         self.metrics.total += reward;
         Ok(Outcome {
             reward,

@@ -2,7 +2,7 @@
 
 use effects::Process;
 
-use crate::reward::{OVER, left};
+use crate::reward::{OVERSANDED_DOSE, left};
 use crate::strip::Strip;
 use crate::task::Task;
 
@@ -51,7 +51,7 @@ impl Metrics {
         self.left = left(task, strip);
         self.gouge_depth = strip.deepest();
         self.gouge_volume = strip.volumes()[1];
-        self.oversanded = strip.share_dosed(OVER);
+        self.oversanded = strip.share_dosed(OVERSANDED_DOSE);
         if task.process == Process::Grinding {
             self.removed_error = (self.removed_volume - task.volume) / task.volume;
         }

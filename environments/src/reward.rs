@@ -12,7 +12,7 @@ const OVERSANDED: f64 = 0.5;
 /// Dose at which the coating is gone [1].
 pub(crate) const SANDED: f32 = 1.0;
 /// Dose from which a point is oversanded [1].
-pub(crate) const OVER: f32 = 4.0;
+pub(crate) const OVERSANDED_DOSE: f32 = 4.0;
 /// Remaining share of the bead, or of the coated strip, at which a task is done.
 const DONE: f64 = 0.03;
 /// Depth below the target at which an episode ends [m].
@@ -25,7 +25,7 @@ pub(crate) fn cost(task: &Task, strip: &Strip) -> f64 {
             let [above, below] = strip.volumes();
             (above + GOUGE * below) / task.volume
         }
-        Process::Sanding => 1.0 - strip.share_dosed(SANDED) + OVERSANDED * strip.share_dosed(OVER),
+        Process::Sanding => 1.0 - strip.share_dosed(SANDED) + OVERSANDED * strip.share_dosed(OVERSANDED_DOSE),
     }
 }
 

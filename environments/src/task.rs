@@ -10,7 +10,7 @@ use crate::error::EnvironmentError;
 use crate::strip::Strip;
 
 /// Margin of the part kept around the weld [m]; the tool never reads the surface beyond it.
-const ROOM: f64 = 25e-3;
+const MARGIN: f64 = 25e-3;
 /// Half width of the strip [weld widths].
 const HALF_WIDTHS: f64 = 0.75;
 /// Least volume of a bead [m³].
@@ -84,7 +84,7 @@ impl Task {
 /// Returns the bricks of a field near a curve.
 fn around(grid: &BrickGrid, curve: &Curve) -> BrickGrid {
     let positions = || curve.stations().iter().map(|station| station.position);
-    let low = positions().fold(DVec3::INFINITY, DVec3::min) - ROOM;
-    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max) + ROOM;
+    let low = positions().fold(DVec3::INFINITY, DVec3::min) - MARGIN;
+    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max) + MARGIN;
     grid.within(low, high)
 }

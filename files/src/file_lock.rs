@@ -16,7 +16,7 @@ pub struct FileLock {
 
 /// Behaviour if the lock is held by another thread or process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Patience {
+pub enum LockWait {
     /// Returns at once.
     None,
     /// Waits without limit.
@@ -28,14 +28,14 @@ impl FileLock {
     ///
     /// # Errors
     /// If the file cannot be created, or the file system does not support locks.
-    pub fn take(path: &Path, patience: Patience) -> Result<Option<Self>, FileError> {
+    pub fn take(path: &Path, wait: LockWait) -> Result<Option<Self>, FileError> {
         let failed = || FileError::at(path, "cannot be locked; choose an --out on a file system with locks");
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(path).map_err(failed())?;
-            match (file.try_lock(), patience) {
+            match (file.try_lock(), wait) {
                 (Ok(()), _) => {}
-                (Err(TryLockError::WouldBlock), Patience::None) => return Ok(None),
-                (Err(TryLockError::WouldBlock), Patience::Endless) => file.lock().map_err(failed())?,
+                (Err(TryLockError::WouldBlock), LockWait::None) => return Ok(None),
+                (Err(TryLockError::WouldBlock), LockWait::Endless) => file.lock().map_err(failed())?,
                 (Err(TryLockError::Error(error)), _) => return Err(failed()(error)),
             }
             // The previous holder may have removed the file between our opening and locking it.
@@ -68,15 +68,15 @@ mod tests {
     fn one_holder_at_a_time_and_nothing_left_behind() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join(".lock");
-        let held = FileLock::take(&path, Patience::None).unwrap().expect("free");
-        assert!(FileLock::take(&path, Patience::None).unwrap().is_none());
+        let held = FileLock::take(&path, LockWait::None).unwrap().expect("free");
+        assert!(FileLock::take(&path, LockWait::None).unwrap().is_none());
         drop(held);
         let (inside, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..8 {
                 scope.spawn(|| {
                     for _ in 0..200 {
-                        let _claim = FileLock::take(&path, Patience::Endless).unwrap().expect("endless patience");
+                        let _claim = FileLock::take(&path, LockWait::Endless).unwrap().expect("endless patience");
                         most.fetch_max(inside.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
                         inside.fetch_sub(1, Ordering::SeqCst);
                     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{FileError, wrong_use};
-use crate::output::{FileKind, FolderKind, Out, is_occupied};
+use crate::output::{FileKind, FolderKind, OutputPath, is_occupied};
 use crate::staging::Staging;
 
 const WRITE: &str = "cannot write this file";
@@ -27,7 +27,7 @@ impl StagedFolder {
     /// # Errors
     /// Wrong usage if the path holds something that may not be replaced; other errors if another run is writing it, or
     /// the parent folder cannot be written.
-    pub fn new(out: &Out, kind: &'static FolderKind) -> Result<Self, FileError> {
+    pub fn new(out: &OutputPath, kind: &'static FolderKind) -> Result<Self, FileError> {
         out.check_folder(kind)?;
         let staging = Staging::folder(&absolute(out.place)?)?;
         // A killed run may have left the previous output under another name; it has been restored by now.
@@ -57,7 +57,7 @@ impl StagedFolder {
     pub fn commit(self) -> Result<PathBuf, FileError> {
         let target = self.staging.target().to_owned();
         if let Some(kind) = self.replace {
-            Out { place: &target, force: true, inputs: &[] }.check_folder(kind)?;
+            OutputPath { place: &target, force: true, inputs: &[] }.check_folder(kind)?;
         }
         self.staging.commit(self.replace.is_some())?;
         Ok(target)
@@ -69,7 +69,7 @@ impl StagedFile {
     ///
     /// # Errors
     /// As for [`StagedFolder::new`].
-    pub fn new(out: &Out, kind: &'static FileKind) -> Result<Self, FileError> {
+    pub fn new(out: &OutputPath, kind: &'static FileKind) -> Result<Self, FileError> {
         out.check_file(kind)?;
         let staging = Staging::file(&absolute(out.place)?)?;
         Ok(Self { staging, replace: out.force.then_some(kind) })
@@ -83,7 +83,7 @@ impl StagedFile {
         let target = self.staging.target().to_owned();
         fs::write(self.staging.path(), bytes).map_err(FileError::at(&target, WRITE))?;
         match self.replace {
-            Some(kind) => Out { place: &target, force: true, inputs: &[] }.check_file(kind)?,
+            Some(kind) => OutputPath { place: &target, force: true, inputs: &[] }.check_file(kind)?,
             None => refuse_occupied(&target)?,
         }
         self.staging.commit(false)
@@ -149,7 +149,7 @@ mod tests {
     fn a_folder_appears_whole_or_not_at_all() {
         let place = tempfile::tempdir().unwrap();
         let target = place.path().join("asset");
-        let staged = StagedFolder::new(&Out::fresh(&target), &ASSET).unwrap();
+        let staged = StagedFolder::new(&OutputPath::fresh(&target), &ASSET).unwrap();
         fs::write(staged.path().join("asset.json"), "{}").unwrap();
         assert!(!target.exists());
         staged.commit().unwrap();
@@ -166,8 +166,8 @@ mod tests {
         let target = place.path().join("asset");
         fs::create_dir(&target).unwrap();
         fs::write(target.join("thesis.txt"), "years of work").unwrap();
-        let forced = Out { force: true, ..Out::fresh(&target) };
-        assert!(StagedFolder::new(&Out::fresh(&target), &ASSET).is_err());
+        let forced = OutputPath { force: true, ..OutputPath::fresh(&target) };
+        assert!(StagedFolder::new(&OutputPath::fresh(&target), &ASSET).is_err());
         let error = StagedFolder::new(&forced, &ASSET).err().unwrap().to_string();
         assert!(error.contains("asset.json"), "{error}");
 
@@ -187,12 +187,12 @@ mod tests {
     fn a_file_that_was_put_there_meanwhile_is_kept() {
         let place = tempfile::tempdir().unwrap();
         let target = place.path().join("asset");
-        let staged = StagedFolder::new(&Out { force: true, ..Out::fresh(&target) }, &ASSET).unwrap();
+        let staged = StagedFolder::new(&OutputPath { force: true, ..OutputPath::fresh(&target) }, &ASSET).unwrap();
         fs::write(&target, "mine").unwrap();
         assert!(staged.commit().is_err());
         assert_eq!(fs::read(&target).unwrap(), b"mine");
         let other = place.path().join("field");
-        let staged = StagedFile::new(&Out::fresh(&other), &FIELD).unwrap();
+        let staged = StagedFile::new(&OutputPath::fresh(&other), &FIELD).unwrap();
         fs::write(&other, "mine").unwrap();
         assert!(staged.commit(b"one").is_err());
         assert_eq!(fs::read(&other).unwrap(), b"mine");
@@ -203,10 +203,10 @@ mod tests {
     fn a_file_is_kept_unless_force_is_given_and_it_is_ours() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("deep/phi.nvdb");
-        let forced = Out { force: true, ..Out::fresh(&path) };
-        let write = |out: &Out, bytes: &[u8]| StagedFile::new(out, &FIELD).and_then(|file| file.commit(bytes));
-        write(&Out::fresh(&path), b"one").unwrap();
-        assert!(write(&Out::fresh(&path), b"two").is_err());
+        let forced = OutputPath { force: true, ..OutputPath::fresh(&path) };
+        let write = |out: &OutputPath, bytes: &[u8]| StagedFile::new(out, &FIELD).and_then(|file| file.commit(bytes));
+        write(&OutputPath::fresh(&path), b"one").unwrap();
+        assert!(write(&OutputPath::fresh(&path), b"two").is_err());
         assert_eq!(fs::read(&path).unwrap(), b"one");
         write(&forced, b"two").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");

@@ -4,15 +4,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, PoisonError};
 
-use crate::file_lock::Patience;
+use crate::file_lock::LockWait;
 
 /// Shared state of the threads.
-struct Turns<'a, T> {
+struct QueueState<'a, T> {
     count: usize,
     next: AtomicUsize,
     /// Jobs that were locked by another process when their turn came.
     later: Mutex<Vec<usize>>,
-    work: &'a (dyn Fn(usize, Patience) -> Option<T> + Sync),
+    work: &'a (dyn Fn(usize, LockWait) -> Option<T> + Sync),
 }
 
 /// Runs the jobs `0..count` with `jobs` threads and calls `done` on this thread with each outcome, in order of
@@ -26,10 +26,10 @@ struct Turns<'a, T> {
 pub fn take_turns<T: Send, E>(
     count: usize,
     jobs: usize,
-    work: impl Fn(usize, Patience) -> Option<T> + Sync,
+    work: impl Fn(usize, LockWait) -> Option<T> + Sync,
     mut done: impl FnMut(usize, T) -> Result<(), E>,
 ) -> Result<(), E> {
-    let turns = Turns { count, next: AtomicUsize::new(0), later: Mutex::default(), work: &work };
+    let turns = QueueState { count, next: AtomicUsize::new(0), later: Mutex::default(), work: &work };
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
         for _ in 0..jobs.min(count) {
@@ -41,19 +41,19 @@ pub fn take_turns<T: Send, E>(
     })
 }
 
-impl<T> Turns<'_, T> {
+impl<T> QueueState<'_, T> {
     /// One thread: takes job after job, and at the end those of other processes, which have probably finished by then.
     fn take(&self, outcomes: &Sender<(usize, T)>) {
         let later = || self.later.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             let turn = self.next.fetch_add(1, Ordering::Relaxed);
-            let (turn, patience) = if turn < self.count {
-                (turn, Patience::None)
+            let (turn, wait) = if turn < self.count {
+                (turn, LockWait::None)
             } else {
                 let Some(turn) = later().pop() else { return };
-                (turn, Patience::Endless)
+                (turn, LockWait::Endless)
             };
-            let Some(outcome) = (self.work)(turn, patience) else {
+            let Some(outcome) = (self.work)(turn, wait) else {
                 later().push(turn);
                 continue;
             };
@@ -72,8 +72,8 @@ mod tests {
     #[test]
     fn every_turn_is_taken_once_and_the_impatient_ones_come_last() {
         let taken = Mutex::new(Vec::new());
-        let work = |turn: usize, patience: Patience| {
-            if turn.is_multiple_of(5) && patience == Patience::None {
+        let work = |turn: usize, wait: LockWait| {
+            if turn.is_multiple_of(5) && wait == LockWait::None {
                 return None;
             }
             taken.lock().unwrap().push(turn);

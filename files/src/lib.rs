@@ -9,6 +9,7 @@
 //!
 //! This crate never prints and never chooses a path by itself.
 
+pub mod budget;
 mod error;
 pub mod file_lock;
 pub mod folder;
@@ -19,7 +20,6 @@ pub mod json_file;
 pub mod named_file;
 pub mod output;
 pub mod program;
-pub mod room;
 mod staging;
 
 pub use error::{FileError, WrongUse};

@@ -10,7 +10,7 @@ static OUTSIDE: AtomicBool = AtomicBool::new(false);
 
 /// Reason why a named file is not opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Absent {
+pub enum NamedFileError {
     /// It lies outside the folder, after resolving all links.
     Outside,
     /// There is no such file.
@@ -23,17 +23,17 @@ pub fn allow_outside() {
 }
 
 /// The path of a file that a manifest in `folder` names. The error does not reveal if a file outside exists.
-pub fn place(folder: &Path, name: &Path) -> Result<PathBuf, Absent> {
+pub fn place(folder: &Path, name: &Path) -> Result<PathBuf, NamedFileError> {
     let path = folder.join(name);
     if OUTSIDE.load(Ordering::Relaxed) {
-        return if path.exists() { Ok(path) } else { Err(Absent::Missing) };
+        return if path.exists() { Ok(path) } else { Err(NamedFileError::Missing) };
     }
     if name.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir)) {
-        return Err(Absent::Outside);
+        return Err(NamedFileError::Outside);
     }
     match (path.canonicalize(), folder.canonicalize()) {
         (Ok(file), Ok(folder)) if file.starts_with(&folder) => Ok(path),
-        (Ok(_), Ok(_)) => Err(Absent::Outside),
-        _ => Err(Absent::Missing),
+        (Ok(_), Ok(_)) => Err(NamedFileError::Outside),
+        _ => Err(NamedFileError::Missing),
     }
 }

@@ -27,11 +27,11 @@ const MEASUREMENTS: [&str; 2] = ["table.toml", "trial.toml"];
 /// Suffix of the folder beside an output that holds intermediate work until the run ends.
 pub const UNFINISHED: &str = ".unfinished";
 /// Files that file managers create in every folder.
-const NO_ONES: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
+const SYSTEM_FILES: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
 /// Output path of a verb, and what it must not touch.
 #[derive(Clone, Copy, Debug)]
-pub struct Out<'a> {
+pub struct OutputPath<'a> {
     /// The requested path.
     pub place: &'a Path,
     /// True if an earlier result there may be replaced.
@@ -84,7 +84,7 @@ impl FolderKind {
     }
 }
 
-impl<'a> Out<'a> {
+impl<'a> OutputPath<'a> {
     /// An output that replaces nothing.
     pub fn fresh(place: &'a Path) -> Self {
         Self { place, force: false, inputs: &[] }
@@ -219,7 +219,7 @@ fn foreign(folder: &Path, kind: &FolderKind) -> Option<PathBuf> {
         let is_in = |(below, names): &(&str, &[&str])| {
             name.strip_prefix(below).is_some_and(|name| names.iter().any(|pattern| fits(pattern, name)))
         };
-        name != kind.marker && !is_staged(own) && !NO_ONES.contains(&own) && !kind.names.iter().any(is_in)
+        name != kind.marker && !is_staged(own) && !SYSTEM_FILES.contains(&own) && !kind.names.iter().any(is_in)
     };
     entries.into_iter().find_map(|entry| match entry {
         Ok(entry) if entry.file_type().is_dir() => None,
@@ -257,7 +257,7 @@ mod tests {
 
     #[track_caller]
     fn assert_refused(folder: &Path, words: &[&str]) {
-        let out = Out { place: folder, force: true, inputs: &[] };
+        let out = OutputPath { place: folder, force: true, inputs: &[] };
         let said = out.check_folder(&KIND).unwrap_err().to_string();
         assert!(words.iter().all(|word| said.contains(word)), "{said}");
     }
@@ -274,9 +274,9 @@ mod tests {
         write(folder, "pass-1.csv", "");
         write(folder, "maps/pass1_um.csv", "");
         write(folder, ".DS_Store", "");
-        let out = Out { place: folder, force: true, inputs: &[] };
+        let out = OutputPath { place: folder, force: true, inputs: &[] };
         out.check_folder(&KIND).unwrap();
-        assert!(Out { force: false, ..out }.check_folder(&KIND).unwrap_err().to_string().contains("--force"));
+        assert!(OutputPath { force: false, ..out }.check_folder(&KIND).unwrap_err().to_string().contains("--force"));
         for name in ["notes.txt", "maps/deep/pass1_um.csv", "pass-1.csv.bak", "maps/report.html"] {
             write(folder, name, "years of work");
             assert_refused(folder, &[name, "does not write"]);
@@ -292,7 +292,7 @@ mod tests {
         fs::hard_link(at("parts/part.obj"), at("hard.obj")).unwrap();
         let kind = FileKind { what: "a test", is_own: |_| true };
         let refused = |out: PathBuf, input: PathBuf| {
-            let out = Out { place: &out, force: true, inputs: &[&input] };
+            let out = OutputPath { place: &out, force: true, inputs: &[&input] };
             let said = out.check_file(&kind).err().map(|error| error.to_string()).unwrap_or_default();
             assert!(said.contains("the input"), "{said:?} for {out:?}");
         };
@@ -316,7 +316,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let file = place.path().join("plan.csv");
         let check = |is_own| {
-            let out = Out { place: &file, force: true, inputs: &[] };
+            let out = OutputPath { place: &file, force: true, inputs: &[] };
             out.check_file(&FileKind { what: "a plan", is_own }).map_err(|error| error.to_string())
         };
         check(|_| true).unwrap();

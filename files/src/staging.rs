@@ -82,7 +82,7 @@ impl Staging {
         let parent = target.parent().ok_or_else(nameless)?;
         let name = target.file_name().ok_or_else(nameless)?.to_owned();
         fs::create_dir_all(parent).map_err(FileError::at(parent, MAKE))?;
-        let _turn = Turn::take(parent);
+        let _turn = FolderLock::take(parent);
         sweep(target)?;
         let mut staged = staged();
         let mut hidden = std::ffi::OsString::from(".");
@@ -116,7 +116,7 @@ impl Staging {
         let mut old = self.path.clone().into_os_string();
         old.push(OLD);
         let old = PathBuf::from(old);
-        let _turn = self.target.parent().map(Turn::take);
+        let _turn = self.target.parent().map(FolderLock::take);
         let staged = staged();
         let moves_away = replace && self.target.symlink_metadata().is_ok();
         if moves_away {
@@ -148,11 +148,11 @@ impl Drop for Staging {
 }
 
 /// Exclusive access to the paths in a folder, held briefly to inspect them and to create one.
-struct Turn {
+struct FolderLock {
     _lock: Option<File>,
 }
 
-impl Turn {
+impl FolderLock {
     /// Waits for access; without file locks in the file system there is no waiting. A folder that this process has
     /// staged is its own and already locked: no other process competes for it.
     fn take(folder: &Path) -> Self {

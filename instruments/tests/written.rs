@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::{NX, NY, PITCH, map, read_bytes};
-use instruments::surface::{Surface, Unwritable, write};
+use instruments::surface::{MapWriteError, Surface, write};
 
 /// Writes a map and reads it back.
 fn there_and_back(name: &str, map: &Surface) -> Surface {
@@ -56,7 +56,7 @@ fn a_level_map_and_one_of_holes() {
     for name in ["map.x3p", "map.sur", "map.asc"] {
         assert_eq!(difference(&level, &there_and_back(name, &level)), 0.0, "{name}");
     }
-    assert_eq!(write(Path::new("map.sur"), &holes), Err(Unwritable::NoHeight));
+    assert_eq!(write(Path::new("map.sur"), &holes), Err(MapWriteError::NoHeight));
     assert!(there_and_back("map.x3p", &holes).heights.iter().all(|height| height.is_nan()));
 }
 

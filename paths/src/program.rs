@@ -13,7 +13,7 @@ const SAME_AXIS: f64 = 1.0 - 1e-9;
 
 /// Values for the quantities that a program does not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unsaid {
+pub struct ProgramDefaults {
     /// Speed of rapid moves, and of moves whose speed the program does not give [m/s].
     pub rapid: f64,
     /// Force setpoint of moves with a stated speed [N]; rapid moves have force 0.
@@ -23,15 +23,15 @@ pub struct Unsaid {
 }
 
 /// Converts a program to the log of a plan: one row per point, reached at the speed of its move.
-pub fn log_of(program: &Program, unsaid: &Unsaid) -> Log {
+pub fn log_of(program: &Program, defaults: &ProgramDefaults) -> Log {
     let mut log = Log { has_approach: program.points.iter().any(|point| point.rotation.is_some()), ..Log::default() };
-    let mut spindle = unsaid.spindle;
+    let mut spindle = defaults.spindle;
     for point in &program.points {
         spindle = point.spindle.unwrap_or(spindle);
         let position = point.position;
         // The tool's z axis points into the part.
         let approach = point.rotation.map_or(DVec3::Z, |rotation| -(rotation * DVec3::Z));
-        let speed = point.feed.unwrap_or(unsaid.rapid);
+        let speed = point.feed.unwrap_or(defaults.rapid);
         let time = match log.rows.last() {
             None => 0.0,
             Some(last) if last.position == position => continue,
@@ -40,7 +40,7 @@ pub fn log_of(program: &Program, unsaid: &Unsaid) -> Log {
                 .filter(|time| *time > last.time)
                 .unwrap_or_else(|| last.time + last.position.distance(position) / speed),
         };
-        let force = if point.feed.is_some() { unsaid.force } else { 0.0 };
+        let force = if point.feed.is_some() { defaults.force } else { 0.0 };
         log.rows.push(LogRow { time, position, force, spindle_speed: spindle, approach });
     }
     log
@@ -110,7 +110,7 @@ mod tests {
         let rows: Vec<LogRow> = (0..=10).map(|k| row(0.1 * f64::from(k), 1e-3 * f64::from(k), 0.0)).collect();
         let log = Log { rows, ..Log::default() };
         let program = Program { format: "test", points: points_of(&log), notes: Vec::new() };
-        let back = log_of(&program, &Unsaid { rapid: 0.1, force: 15.0, spindle: 0.0 });
+        let back = log_of(&program, &ProgramDefaults { rapid: 0.1, force: 15.0, spindle: 0.0 });
         assert_eq!(back.rows.len(), 2);
         assert!((back.rows[1].time - 1.0).abs() < 1e-12 && back.rows[1].position.x == 0.01);
         assert!(back.rows.iter().all(|row| row.approach.distance(DVec3::Z) < 1e-12 && row.spindle_speed == 600.0));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use files::folder::StagedFile;
 use files::input::{self, MOST_MESH_BYTES};
-use files::output::Out;
+use files::output::OutputPath;
 use glam::{DVec3, Vec3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -78,7 +78,7 @@ impl Field {
     #[pyo3(signature = (path, *, force = false))]
     fn write(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let bytes = py.detach(|| nvdb::write_field(&self.inner, Codec::Zip)).map_err(of)?;
-        let file = StagedFile::new(&Out { force, ..Out::fresh(&path) }, &FIELD).map_err(of)?;
+        let file = StagedFile::new(&OutputPath { force, ..OutputPath::fresh(&path) }, &FIELD).map_err(of)?;
         file.commit(&bytes).map_err(of)?;
         Ok(())
     }

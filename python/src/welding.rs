@@ -3,13 +3,13 @@
 use pyo3::prelude::*;
 use robofin::console::Console;
 use robofin::part::Part;
-use robofin::workpiece::{DEFAULT_BAND, Fineness, WeldWishes, WeldingOptions, weld_part};
+use robofin::workpiece::{DEFAULT_BAND, Fineness, WeldSettings, WeldingOptions, weld_part};
 use weldgen::{Difficulty, Placement};
 
 use crate::errors::{failed, refused};
 use crate::field::sign_choice;
 use crate::mesh::Mesh;
-use crate::workpiece::{Made, Workpiece};
+use crate::workpiece::{WeldedPart, Workpiece};
 
 /// Welds a part read from a file.
 #[pyfunction]
@@ -31,13 +31,13 @@ pub fn weld(
     let part = mesh.part.as_deref().cloned();
     let part: Part =
         part.ok_or_else(|| refused("a mesh from arrays has no source to record; write it and `Mesh.read` it"))?;
-    let wishes = WeldWishes {
+    let wishes = WeldSettings {
         difficulty: difficulty_of(difficulty)?,
         placement: placement_of(place)?,
         width,
         height,
         length,
-        ..WeldWishes::default()
+        ..WeldSettings::default()
     };
     let options = WeldingOptions {
         seed,
@@ -47,7 +47,7 @@ pub fn weld(
         wishes,
     };
     let workpiece = py.detach(|| weld_part(part, &options, &Console::silent())).map_err(|error| failed(&error))?;
-    Ok(Workpiece::welded(Made { workpiece, options }))
+    Ok(Workpiece::welded(WeldedPart { workpiece, options }))
 }
 
 fn difficulty_of(name: &str) -> PyResult<Difficulty> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use files::folder::StagedFolder;
-use files::output::Out;
+use files::output::OutputPath;
 use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,7 +21,7 @@ use crate::field::Field;
 use crate::tool::{Path, Tool};
 
 /// A welded part with the result of its welding.
-pub struct Made {
+pub struct WeldedPart {
     pub workpiece: robofin::workpiece::Workpiece,
     pub options: WeldingOptions,
 }
@@ -32,7 +32,7 @@ pub struct Workpiece {
     pub part: Arc<BrickGrid>,
     pub target: Option<Arc<BrickGrid>>,
     pub welds: Vec<WeldTruth>,
-    made: Option<Arc<Made>>,
+    made: Option<Arc<WeldedPart>>,
 }
 
 /// State of a workpiece at one moment; it shares the bricks until the workpiece changes.
@@ -48,7 +48,7 @@ impl Workpiece {
     }
 
     /// Makes a workpiece from a welded part.
-    pub fn welded(made: Made) -> Self {
+    pub fn welded(made: WeldedPart) -> Self {
         let robofin::workpiece::Workpiece { welded, target, welds, .. } = &made.workpiece;
         Self {
             part: Arc::new(welded.clone()),
@@ -128,7 +128,7 @@ impl Workpiece {
             return Err(refused("only a workpiece that `weld` made is an asset; write its field instead"));
         };
         let write = || {
-            let staged = StagedFolder::new(&Out { force, ..Out::fresh(&folder) }, &ASSET)?;
+            let staged = StagedFolder::new(&OutputPath { force, ..OutputPath::fresh(&folder) }, &ASSET)?;
             asset::write(&made.workpiece, &made.options, staged, Extras::full(UsdMode::Off), &Console::silent())
         };
         py.detach(write).map_err(|error| failed(&error))

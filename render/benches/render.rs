@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use glam::DVec3;
-use render::{Camera, Field, Frame, Marks, ROLLED_STEEL, Raster, Scene, Seen, Table};
+use render::{Camera, Field, Frame, Marks, ROLLED_STEEL, Raster, Scene, Table, VisibleObject};
 use sdf_bake::{BrickGrid, Scalar};
 
 const VOXEL: f64 = 0.5e-3;
@@ -40,7 +40,8 @@ fn photographed(name: &str, view: &str, scene: &Scene, camera: &Camera) {
     }
     let mut frame = Frame::empty(0, 0);
     let ((), [wall, cpu]) = timed(|| scene.photograph_over(&mut frame, camera, &Raster::default()));
-    let covered = frame.seen.iter().filter(|seen| **seen == Seen::Part).count() as f64 / frame.seen.len() as f64;
+    let covered =
+        frame.seen.iter().filter(|seen| **seen == VisibleObject::Part).count() as f64 / frame.seen.len() as f64;
     println!("{of_view}: {wall:.1} ms, {cpu:.1} ms CPU, part in {:.0} % of the pixels", 100.0 * covered);
     if let Some(folder) = std::env::var_os("PICTURES") {
         let place = std::path::Path::new(&folder).join(format!("{name} {view}.ppm").replace(' ', "-"));

@@ -48,7 +48,7 @@ pub fn to_exr(frame: &Frame) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Seen;
+    use crate::frame::VisibleObject;
     use exr::prelude::*;
 
     #[test]
@@ -65,7 +65,7 @@ mod tests {
             frame.dose[pixel] = 0.07 * at;
             frame.removed[pixel] = 1e-5 * at;
             frame.weld[pixel] = (1000 * pixel) as u16;
-            frame.seen[pixel] = [Seen::Background, Seen::Part, Seen::Table][pixel % 3];
+            frame.seen[pixel] = [VisibleObject::Background, VisibleObject::Part, VisibleObject::Table][pixel % 3];
         });
         let bytes = to_exr(&frame).unwrap();
         let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();

@@ -7,7 +7,7 @@ use super::colour::to_srgb8;
 /// Object that a pixel shows: the visibility mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Seen {
+pub enum VisibleObject {
     /// The background behind the scene.
     #[default]
     Background = 0,
@@ -41,7 +41,7 @@ pub struct Frame {
     /// Removed depth [m]; 0 where nothing was removed and for background.
     pub removed: Vec<f32>,
     /// Object at the pixel's centre.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<VisibleObject>,
     /// Removed depth of the colour map's last colour [m], if removed depth was drawn.
     pub removed_full_scale: Option<f64>,
 }
@@ -74,7 +74,7 @@ impl Frame {
             weld: vec![0; pixels],
             dose: vec![0.0; pixels],
             removed: vec![0.0; pixels],
-            seen: vec![Seen::Background; pixels],
+            seen: vec![VisibleObject::Background; pixels],
             removed_full_scale: None,
         }
     }

@@ -3,12 +3,12 @@
 use glam::{DVec3, IVec3, Vec3};
 use sdf_bake::grid::trilinear;
 
-use super::frame::Seen;
+use super::frame::VisibleObject;
 use super::lanes::{LANES, Lanes, Points, any};
 use super::lockstep::Crossings;
 use super::padded::Cells;
 use super::ray_packet::common_clear_length;
-use super::rays::{Places, Rays, Wide};
+use super::rays::{ImagePositions, Rays, Wide};
 use super::scene::Stage;
 use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};
 use super::walk::integers;
@@ -54,19 +54,19 @@ impl Samples {
 
     /// Object that a lane shows.
     #[inline(always)]
-    pub(crate) fn seen(&self, lane: usize) -> Seen {
+    pub(crate) fn seen(&self, lane: usize) -> VisibleObject {
         match (self.is_part[lane], self.is_table[lane]) {
-            (true, _) => Seen::Part,
-            (false, true) => Seen::Table,
-            (false, false) => Seen::Background,
+            (true, _) => VisibleObject::Part,
+            (false, true) => VisibleObject::Table,
+            (false, false) => VisibleObject::Background,
         }
     }
 }
 
 /// Rays through image positions, and the surfaces that they meet; compiled by `pulp` for each instruction set.
-pub(crate) struct Sight<'a> {
+pub(crate) struct PrimaryRays<'a> {
     pub(crate) stage: &'a Stage<'a>,
-    pub(crate) at: &'a Places,
+    pub(crate) at: &'a ImagePositions,
     /// Length from the start of each ray that is known to be free of metal [m].
     pub(crate) clear: f64,
 }
@@ -75,7 +75,7 @@ pub(crate) struct Sight<'a> {
 /// each instruction set.
 pub(crate) struct Clear<'a> {
     pub(crate) stage: &'a Stage<'a>,
-    pub(crate) at: &'a Places,
+    pub(crate) at: &'a ImagePositions,
 }
 
 impl pulp::NullaryFnOnce for Clear<'_> {
@@ -89,7 +89,7 @@ impl pulp::NullaryFnOnce for Clear<'_> {
     }
 }
 
-impl pulp::NullaryFnOnce for Sight<'_> {
+impl pulp::NullaryFnOnce for PrimaryRays<'_> {
     type Output = Samples;
 
     #[inline(always)]
@@ -113,7 +113,7 @@ impl pulp::NullaryFnOnce for Sight<'_> {
 
 // Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
-impl Sight<'_> {
+impl PrimaryRays<'_> {
     /// Finds the positions where rays meet part or table. Returns them relative to the lowest voxel of the index,
     /// rounded once [voxels].
     #[inline(always)]

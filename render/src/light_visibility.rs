@@ -30,14 +30,14 @@ const MOST_STEPS: usize = 24;
 const BALL_HEIGHT: f32 = 0.75;
 
 /// Rays towards a lamp from any tile.
-pub(crate) struct Beam<'a> {
+pub(crate) struct LampRays<'a> {
     towards: Towards<'a>,
     directions: Directions,
     skyline: Skyline,
     band: f32,
 }
 
-impl<'a> Beam<'a> {
+impl<'a> LampRays<'a> {
     /// `direction`: unit vector towards the lamp; `spread`: tangent of its half angle.
     pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl<'a> Beam<'a> {
     ///
     /// `starts`: ray starts; `normals`: normals of the surface below them.
     pub(crate) fn shares(&self, starts: &Points, normals: &Points, wanted: &[bool; LANES]) -> Lanes {
-        pulp::Arch::new().dispatch(Shares { beam: self, starts, normals, wanted })
+        pulp::Arch::new().dispatch(LightVisibility { beam: self, starts, normals, wanted })
     }
 
     /// [`Field::clearance`] along this lamp's direction.
@@ -169,19 +169,19 @@ impl<'a> Beam<'a> {
 }
 
 /// Light shares of a tile's points, each by its own ray; compiled by `pulp` for each instruction set.
-struct Shares<'a> {
-    beam: &'a Beam<'a>,
+struct LightVisibility<'a> {
+    beam: &'a LampRays<'a>,
     starts: &'a Points,
     normals: &'a Points,
     wanted: &'a [bool; LANES],
 }
 
-impl pulp::NullaryFnOnce for Shares<'_> {
+impl pulp::NullaryFnOnce for LightVisibility<'_> {
     type Output = Lanes;
 
     #[inline(always)]
     fn call(self) -> Lanes {
-        let Self { beam: Beam { towards, directions, .. }, starts, normals, wanted } = self;
+        let Self { beam: LampRays { towards, directions, .. }, starts, normals, wanted } = self;
         if let Some(common) = self.beam.common_share(starts, normals, wanted) {
             return wanted.map(|wanted| if wanted { common } else { 0.0 });
         }
@@ -219,12 +219,12 @@ impl pulp::NullaryFnOnce for Shares<'_> {
     }
 }
 
-impl Shares<'_> {
+impl LightVisibility<'_> {
     /// Interval of each ray within the indexed box, up to the length at which it is clear. Inlined into the call, like
     /// all functions that it calls.
     #[inline(always)]
     fn spans(&self) -> (Lanes, Lanes) {
-        let Beam { towards, directions, skyline, .. } = self.beam;
+        let LampRays { towards, directions, skyline, .. } = self.beam;
         let mut ends = skyline.lengths(self.starts);
         let mut begins = [0.0; LANES];
         for i in 0..LANES {
@@ -263,7 +263,7 @@ mod tests {
         let half = DVec3::new(0.02, 0.01, 0.01);
         let grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, shape);
         let field = Field::new(&grid);
-        let beam = Beam::new(&field, Vec3::new(-0.7, 0.1, 0.9).normalize(), 0.15);
+        let beam = LampRays::new(&field, Vec3::new(-0.7, 0.1, 0.9).normalize(), 0.15);
         let mut told = [0; 2];
         for i in 0..1500 {
             let x = -0.019 + 0.038 * f64::from(i) / 1500.0;

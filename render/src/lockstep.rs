@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, Ray};
     use crate::ray_packet::common_clear_length;
-    use crate::rays::Places;
+    use crate::rays::ImagePositions;
     use crate::tile::tile_pixels;
 
     const VOXEL: f64 = 0.0005;
@@ -175,7 +175,7 @@ mod tests {
             let (mut hits, mut others) = (0, 0);
             for corner in (0..size as usize).step_by(4).flat_map(|y| (0..size as usize).step_by(4).map(move |x| (x, y)))
             {
-                let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [true; LANES] };
+                let mut places = ImagePositions { across: [0.0; LANES], down: [0.0; LANES], wanted: [true; LANES] };
                 for (lane, (x, y)) in tile_pixels(corner).enumerate() {
                     (places.across[lane], places.down[lane]) = ((x as f64 + 0.5) / size, (y as f64 + 0.5) / size);
                 }

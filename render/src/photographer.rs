@@ -9,7 +9,7 @@ use shaders::{
 };
 
 use super::camera::{Camera, Projection};
-use super::frame::{Frame, Seen};
+use super::frame::{Frame, VisibleObject};
 use super::material::Material;
 use super::scene::{Raster, Scene, Stage};
 use super::walk::nudge;
@@ -95,8 +95,8 @@ fn frame(raster: &Raster, rows: &[[f32; 4]]) -> Frame {
         let [r, g, b, depth] = rows[0];
         frame.colour[pixel] = Vec3::new(r, g, b);
         frame.seen[pixel] = match rows[3][1] as u32 {
-            constants::SEEN_PART => Seen::Part,
-            constants::SEEN_TABLE => Seen::Table,
+            constants::SEEN_PART => VisibleObject::Part,
+            constants::SEEN_TABLE => VisibleObject::Table,
             _ => continue,
         };
         frame.depth[pixel] = depth;

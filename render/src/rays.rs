@@ -9,7 +9,7 @@ use super::lanes::LANES;
 pub(crate) type Wide = [f64; LANES];
 
 /// Positions in the image.
-pub(crate) struct Places {
+pub(crate) struct ImagePositions {
     /// From the left, 0 to 1.
     pub(crate) across: Wide,
     /// From the top, 0 to 1.
@@ -34,7 +34,7 @@ impl Rays {
     /// - `aspect`: image width divided by height
     /// - `half_image`: [`Camera::half_image`]
     #[inline(always)]
-    pub(crate) fn through(at: &Places, camera: &Camera, (aspect, half_image): (f64, f64)) -> Self {
+    pub(crate) fn through(at: &ImagePositions, camera: &Camera, (aspect, half_image): (f64, f64)) -> Self {
         let mut rays = Self { origins: [[0.0; LANES]; 3], directions: [[0.0; LANES]; 3], wanted: at.wanted };
         let (mut across, mut down) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
@@ -126,7 +126,7 @@ mod tests {
     fn rays_side_by_side_are_those_of_the_camera() {
         let distortion = Distortion { radial: [-0.3, 0.1, 0.0], tangential: [0.002, -0.001] };
         let at = |i: usize| DVec2::new(0.06 * i as f64, 1.0 - 0.051 * i as f64);
-        let places = Places {
+        let places = ImagePositions {
             across: std::array::from_fn(|i| at(i).x),
             down: std::array::from_fn(|i| at(i).y),
             wanted: std::array::from_fn(|i| i != 5),

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::frame::{Frame, Seen};
+use super::frame::{Frame, VisibleObject};
 use super::gbuffer_lanes::Samples;
 use super::lanes::Points;
 use super::tile::{TILE, tile_row};
@@ -18,7 +18,7 @@ pub(crate) struct Rows<'a, const N: usize> {
     weld: &'a mut [u16],
     dose: &'a mut [f32],
     removed: &'a mut [f32],
-    seen: &'a mut [Seen],
+    seen: &'a mut [VisibleObject],
     /// Colours in the other appearances.
     colours: &'a mut [[Vec3; N]],
 }

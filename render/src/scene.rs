@@ -7,16 +7,16 @@ use sdf_bake::BrickGrid;
 use super::camera::Camera;
 use super::field::Field;
 use super::frame::Frame;
-use super::gbuffer_lanes::{Clear, Samples, Sight};
+use super::gbuffer_lanes::{Clear, PrimaryRays, Samples};
 use super::lanes::{LANES, Points, any};
-use super::light_visibility::Beam;
+use super::light_visibility::LampRays;
 use super::lights::Lights;
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
-use super::rays::Places;
+use super::rays::ImagePositions;
 use super::rows::Rows;
-use super::shade_lanes::Lit;
-use super::tile::{Shelter, TILE, tile_pixels};
+use super::shade_lanes::ShadeLanes;
+use super::tile::{TILE, TileVisibility, tile_pixels};
 
 /// Adjacent tiles for which one ray determines the clear length.
 const TILES: usize = 4;
@@ -109,8 +109,8 @@ impl<'a> Scene<'a> {
     ) {
         frame.be_of_size(raster.width, raster.height);
         let stage = Stage::new(self, camera, raster);
-        let beam = |lamp: &Lamp| Beam::new(&self.field, lamp.towards, lamp.spread);
-        let lamps: Vec<Beam> = stage.lamps.par_iter().map(beam).collect();
+        let beam = |lamp: &Lamp| LampRays::new(&self.field, lamp.towards, lamp.spread);
+        let lamps: Vec<LampRays> = stage.lamps.par_iter().map(beam).collect();
         Rows::of(frame, colours).enumerate().for_each(|(y, mut rows)| {
             for first in (0..raster.width).step_by(TILES * TILE) {
                 let clear = stage.clear_length((first, TILE * y));
@@ -169,7 +169,7 @@ impl<'a> Stage<'a> {
     /// the part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
     fn tile<const N: usize>(
         &self,
-        lamps: &[Beam],
+        lamps: &[LampRays],
         (corner, clear): ((usize, usize), f64),
         others: &[Appearance; N],
     ) -> (Samples, Points, [Points; N]) {
@@ -193,7 +193,7 @@ impl<'a> Stage<'a> {
     /// Mean light of a pixel; also in the other appearances if it is `on_part`.
     fn mean<const N: usize>(
         &self,
-        lamps: &[Beam],
+        lamps: &[LampRays],
         ((x, y), clear): ((usize, usize), f64),
         on_part: bool,
         others: &[Appearance; N],
@@ -218,13 +218,13 @@ impl<'a> Stage<'a> {
     /// Light of samples in the scene's appearance and, if `wanted`, in others.
     fn lights<const N: usize>(
         &self,
-        lamps: &[Beam],
+        lamps: &[LampRays],
         samples: &Samples,
         others: &[Appearance; N],
         wanted: bool,
     ) -> (Points, [Points; N]) {
-        let shelter = &Shelter::of(self, lamps, samples);
-        let light = |appearance| pulp::Arch::new().dispatch(Lit { stage: self, appearance, samples, shelter });
+        let shelter = &TileVisibility::of(self, lamps, samples);
+        let light = |appearance| pulp::Arch::new().dispatch(ShadeLanes { stage: self, appearance, samples, shelter });
         let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
         (light(&self.scene.appearance), in_others)
     }
@@ -244,14 +244,14 @@ impl<'a> Stage<'a> {
     fn samples(&self, points: impl Iterator<Item = DVec2>, clear: f64) -> Samples {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
         let at = &self.places(points, |at| at.cmplt(size).all());
-        pulp::Arch::new().dispatch(Sight { stage: self, at, clear })
+        pulp::Arch::new().dispatch(PrimaryRays { stage: self, at, clear })
     }
 
     /// At most [`LANES`] image points [pixels from the top left], each marked as `wanted` or not.
     #[inline(always)]
-    fn places(&self, points: impl Iterator<Item = DVec2>, wanted: impl Fn(DVec2) -> bool) -> Places {
+    fn places(&self, points: impl Iterator<Item = DVec2>, wanted: impl Fn(DVec2) -> bool) -> ImagePositions {
         let size = DVec2::new(self.raster.width as f64, self.raster.height as f64);
-        let mut places = Places { across: [0.0; LANES], down: [0.0; LANES], wanted: [false; LANES] };
+        let mut places = ImagePositions { across: [0.0; LANES], down: [0.0; LANES], wanted: [false; LANES] };
         for (i, at) in points.enumerate() {
             (places.across[i], places.down[i]) = (at / size).into();
             places.wanted[i] = wanted(at);

@@ -15,7 +15,7 @@ use super::surface::Surface;
 
 /// Albedo and reflectance at normal incidence, linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Finish {
+pub struct SurfaceReflectance {
     /// Diffuse albedo.
     pub diffuse: Vec3,
     /// Reflectance at normal incidence (Schlick 1994, F₀).
@@ -23,11 +23,13 @@ pub struct Finish {
 }
 
 /// Steel of the part.
-pub const BASE_STEEL: Finish = Finish { diffuse: Vec3::new(0.19, 0.213, 0.24), mirror: Vec3::new(0.15, 0.16, 0.17) };
+pub const BASE_STEEL: SurfaceReflectance =
+    SurfaceReflectance { diffuse: Vec3::new(0.19, 0.213, 0.24), mirror: Vec3::new(0.15, 0.16, 0.17) };
 /// Weld metal, in a warm tint that no steel has.
-pub const WELD_METAL: Finish = Finish { diffuse: Vec3::new(0.55, 0.165, 0.022), mirror: Vec3::new(0.15, 0.095, 0.05) };
+pub const WELD_METAL: SurfaceReflectance =
+    SurfaceReflectance { diffuse: Vec3::new(0.55, 0.165, 0.022), mirror: Vec3::new(0.15, 0.095, 0.05) };
 /// Paper-like light grey for surfaces without a mapped colour.
-pub const UNTOUCHED: Finish = Finish { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
+pub const UNTOUCHED: SurfaceReflectance = SurfaceReflectance { diffuse: Vec3::splat(0.36), mirror: Vec3::splat(0.05) };
 
 /// The lights of a view, as unit vectors from the surface towards the light in the part's frame.
 pub(crate) struct Studio {
@@ -59,7 +61,7 @@ impl Studio {
     }
 
     /// Light reflected by a finish to the camera, linear RGB.
-    pub(crate) fn shade(&self, field: &Field, surface: &Surface, finish: &Finish) -> Vec3 {
+    pub(crate) fn shade(&self, field: &Field, surface: &Surface, finish: &SurfaceReflectance) -> Vec3 {
         let n = facing(surface.normal, surface.view);
         let open = ambient_occlusion(field, surface);
         let lit = self.key_share(field, surface);
@@ -119,7 +121,7 @@ pub(crate) fn ambient_occlusion(field: &Field, surface: &Surface) -> f32 {
 }
 
 /// [`ambient_occlusion`] of the `wanted` samples; compiled by `pulp` for each instruction set.
-pub(crate) struct Openness<'a> {
+pub(crate) struct OcclusionLanes<'a> {
     pub(crate) field: &'a Field<'a>,
     /// Surface points [voxels].
     pub(crate) points: &'a Points,
@@ -127,7 +129,7 @@ pub(crate) struct Openness<'a> {
     pub(crate) wanted: &'a [bool; LANES],
 }
 
-impl pulp::NullaryFnOnce for Openness<'_> {
+impl pulp::NullaryFnOnce for OcclusionLanes<'_> {
     type Output = Lanes;
 
     #[inline(always)]

@@ -7,17 +7,17 @@ use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
 use super::scene::Stage;
 use super::shade::facing;
-use super::tile::Shelter;
+use super::tile::TileVisibility;
 
 /// Light along the rays of a tile, linear RGB; compiled by `pulp` for each instruction set.
-pub(crate) struct Lit<'a> {
+pub(crate) struct ShadeLanes<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) appearance: &'a Appearance,
     pub(crate) samples: &'a Samples,
-    pub(crate) shelter: &'a Shelter,
+    pub(crate) shelter: &'a TileVisibility,
 }
 
-impl pulp::NullaryFnOnce for Lit<'_> {
+impl pulp::NullaryFnOnce for ShadeLanes<'_> {
     type Output = Points;
 
     #[inline(always)]
@@ -41,7 +41,7 @@ impl pulp::NullaryFnOnce for Lit<'_> {
 
 // Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
-impl Lit<'_> {
+impl ShadeLanes<'_> {
     #[inline(always)]
     fn of_surfaces(&self) -> Points {
         let Self { stage, samples, shelter, .. } = self;

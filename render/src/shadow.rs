@@ -1,7 +1,7 @@
 //! Share of a light that reaches a point of the surface, by sphere tracing (Hart 1996).
 //!
-//! Lengths are in voxels, from the lowest voxel of the index. [`Towards::share`] is the twin of `light_share_along` in
-//! `walk.wgsl`.
+//! Lengths are in voxels, from the lowest voxel of the index. [`ShadowRays::share`] is the twin of `light_share_along`
+//! in `walk.wgsl`.
 
 use glam::{Vec3, Vec3A};
 pub(crate) use shaders::constants::LEAST_STEP;
@@ -14,7 +14,7 @@ use super::walk::{Line, indexed_size, nudge};
 pub(crate) const STEEPEST: f32 = 1.1;
 
 /// Rays towards a light.
-pub(crate) struct Towards<'a> {
+pub(crate) struct ShadowRays<'a> {
     pub(crate) field: &'a Field<'a>,
     pub(crate) line: Line,
     /// Size of the indexed box.
@@ -26,7 +26,7 @@ pub(crate) struct Towards<'a> {
     pub(crate) cap: f32,
 }
 
-impl<'a> Towards<'a> {
+impl<'a> ShadowRays<'a> {
     /// `direction`: unit vector towards the light.
     pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
         let band = field.grid.band * field.per_metre as f32;
@@ -91,7 +91,7 @@ mod tests {
         let distance = |p: DVec3| p.length() - 0.01;
         let grid = BrickGrid::from_distance(DVec3::splat(-0.01), DVec3::splat(0.01), VOXEL, 3.0, distance);
         let field = Field::new(&grid);
-        let towards = Towards::new(&field, Vec3::Z, 0.1);
+        let towards = ShadowRays::new(&field, Vec3::Z, 0.1);
         let share = |y: f64| towards.share(in_voxels(&field, [0.0, y, -0.1]));
         assert_eq!((share(0.0), share(0.013)), (0.0, 1.0));
         let penumbra = share(0.0106);

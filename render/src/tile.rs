@@ -2,15 +2,15 @@
 
 use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Lanes, any};
-use super::light_visibility::Beam;
+use super::light_visibility::LampRays;
 use super::scene::Stage;
-use super::shade::{Openness, SHADOW_START};
+use super::shade::{OcclusionLanes, SHADOW_START};
 
 /// Pixels along each side of a tile; one tile fills the lanes.
 pub(crate) const TILE: usize = 4;
 
 /// Visibility of light at the samples.
-pub(crate) struct Shelter {
+pub(crate) struct TileVisibility {
     /// Share of open space above each sample, 0 to 1.
     pub(crate) open: Lanes,
     /// Share of each lamp that reaches each sample, 0 to 1.
@@ -27,18 +27,18 @@ pub(crate) fn tile_row(row: usize) -> [usize; TILE] {
     [0, 1, 4, 5].map(|lane| lane + ((row & 1) << 1) + ((row & 2) << 2))
 }
 
-impl Shelter {
+impl TileVisibility {
     /// Visibility at a tile's samples. `lamps`: rays towards the lamps of the stage.
-    pub(crate) fn of(stage: &Stage, lamps: &[Beam], samples: &Samples) -> Self {
+    pub(crate) fn of(stage: &Stage, lamps: &[LampRays], samples: &Samples) -> Self {
         let field = &stage.scene.field;
         let Samples { points, normals, .. } = samples;
         let wanted = std::array::from_fn(|i| samples.is_part[i] | samples.is_table[i]);
         if !any(&wanted) {
             return Self { open: [1.0; LANES], shares: vec![[0.0; LANES]; lamps.len()] };
         }
-        let open = pulp::Arch::new().dispatch(Openness { field, points, normals, wanted: &wanted });
+        let open = pulp::Arch::new().dispatch(OcclusionLanes { field, points, normals, wanted: &wanted });
         let starts = points.moved(normals, &[SHADOW_START; LANES]);
-        let of_lamp = |beam: &Beam| {
+        let of_lamp = |beam: &LampRays| {
             let faces = std::array::from_fn(|i| wanted[i] && normals.get(i).dot(beam.direction()) > 0.0);
             if any(&faces) { beam.shares(&starts, normals, &faces) } else { [0.0; LANES] }
         };

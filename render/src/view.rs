@@ -9,7 +9,7 @@ use super::camera::Camera;
 use super::colour_map::colour_map;
 use super::edges::edge_factor;
 use super::field::Field;
-use super::frame::{Frame, Seen};
+use super::frame::{Frame, VisibleObject};
 use super::material::WELD_BORDER;
 use super::removed::round_full_scale;
 use super::shade::{BASE_STEEL, Finish, Studio, UNTOUCHED, WELD_METAL, smooth_step};
@@ -71,7 +71,7 @@ pub fn render(grid: &BrickGrid, camera: &Camera, view: &View) -> Frame {
         frame.weld[pixel] = surface.weld;
         frame.dose[pixel] = surface.dose;
         frame.removed[pixel] = surface.removed;
-        frame.seen[pixel] = Seen::Part;
+        frame.seen[pixel] = VisibleObject::Part;
     }
     frame
 }

@@ -165,14 +165,14 @@ struct Mixed {
 struct Inexact {
     /// Offset in the brick.
     offset: usize,
-    truth: Truth,
+    exactness: Exactness,
     /// The smaller of both distances [m], an upper bound of the union's.
     bound: f32,
 }
 
 /// Knowledge of the distance at a voxel.
 #[derive(Clone, Copy)]
-enum Truth {
+enum Exactness {
     /// The distance is φ.
     Exact,
     /// The distance has this value [m].
@@ -253,10 +253,10 @@ impl<'a> Combination<'a> {
         let (mut slots, mut unknown, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         for (slot, voxels) in free {
             let mut set = VoxelSet::default();
-            for Inexact { offset, truth, bound } in voxels {
+            for Inexact { offset, exactness, bound } in voxels {
                 let place = slot as usize * BRICK_VOXELS + offset;
                 let phi = &mut grid.phi[place];
-                if let Truth::Other(distance) = truth {
+                if let Exactness::Other(distance) = exactness {
                     *phi = self.back * distance;
                 } else {
                     bounds.push((place, bound));
@@ -304,9 +304,9 @@ impl<'a> Combination<'a> {
                 insert(&mut mixed.from_second, offset);
             }
             let point = grids[0].position(voxel_at(brick, offset));
-            let (value, truth) = self.value(values, point);
-            if !matches!(truth, Truth::Exact) {
-                mixed.inexact.push(Inexact { offset, truth, bound: values[0].min(values[1]) });
+            let (value, exactness) = self.value(values, point);
+            if !matches!(exactness, Exactness::Exact) {
+                mixed.inexact.push(Inexact { offset, exactness, bound: values[0].min(values[1]) });
             }
             mixed.phi[offset] = self.back * value;
         }
@@ -314,18 +314,18 @@ impl<'a> Combination<'a> {
     }
 
     /// φ of the union at a point [m] where the bodies' distances are `values` [m], and the knowledge of its distance.
-    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Truth) {
+    fn value(&self, values: [f32; 2], point: DVec3) -> (f32, Exactness) {
         let band = self.bodies.grids[0].band;
         let least = values[0].min(values[1]);
         if self.radius > 0.0 && self.bodies.feet_are_within(values, self.radius, point) {
-            return (self.bodies.blended(values, self.radius, point).clamp(-band, least), Truth::Unknown);
+            return (self.bodies.blended(values, self.radius, point).clamp(-band, least), Exactness::Unknown);
         }
         if !self.bodies.is_buried(values, point) {
-            return (least, Truth::Exact);
+            return (least, Exactness::Exact);
         }
         match self.bodies.depth(values, point) {
-            Some(depth) => (least, Truth::Other(depth.clamp(-band, least))),
-            None => (least, Truth::Unknown),
+            Some(depth) => (least, Exactness::Other(depth.clamp(-band, least))),
+            None => (least, Exactness::Unknown),
         }
     }
 }

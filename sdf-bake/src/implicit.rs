@@ -36,18 +36,18 @@ impl BrickGrid {
         lattice: (f64, f64),
         first: IVec3,
         dims: IVec3,
-        fill: impl Fn(IVec3) -> Filled + Sync,
+        fill: impl Fn(IVec3) -> BrickContents + Sync,
     ) -> Self {
         let mut grid = Self::empty(lattice.0, lattice.1 as f32, first, dims);
         let filled = columns(dims).flat_map_iter(|column| {
             let bricks = (0..dims.z).map(move |z| first + column.extend(z));
-            bricks.map(|brick| (brick, fill(brick))).filter(|(_, filled)| !matches!(filled, Filled::Outside))
+            bricks.map(|brick| (brick, fill(brick))).filter(|(_, filled)| !matches!(filled, BrickContents::Outside))
         });
         for (brick, filled) in filled.collect::<Vec<_>>() {
             match filled {
-                Filled::Outside => {}
-                Filled::Inside => grid.set_slot(brick, INSIDE),
-                Filled::Band(values) => {
+                BrickContents::Outside => {}
+                BrickContents::Inside => grid.set_slot(brick, INSIDE),
+                BrickContents::Band(values) => {
                     grid.set_slot(brick, grid.bricks.len() as u32);
                     grid.bricks.push(brick);
                     grid.phi.extend_from_slice(values.as_slice());
@@ -60,13 +60,13 @@ impl BrickGrid {
 }
 
 /// Contents of a brick.
-pub(crate) enum Filled {
+pub(crate) enum BrickContents {
     Outside,
     Inside,
     Band(Box<[f32; BRICK_VOXELS]>),
 }
 
-impl Filled {
+impl BrickContents {
     /// Makes a brick from values [m] by offset, truncated at the band [m].
     pub(crate) fn of(value: impl Fn(usize) -> f32, band: f32) -> Self {
         let mut values = Box::new([0f32; BRICK_VOXELS]);
@@ -84,17 +84,17 @@ impl Filled {
     }
 }
 
-fn fill(brick: IVec3, (voxel, band): (f64, f32), distance: &(impl Fn(DVec3) -> f64 + Sync)) -> Filled {
+fn fill(brick: IVec3, (voxel, band): (f64, f32), distance: &(impl Fn(DVec3) -> f64 + Sync)) -> BrickContents {
     let centre = (brick.as_dvec3() * BRICK_SIDE as f64 + 3.5) * voxel;
     let reach = 3.5 * 3f64.sqrt() * voxel + f64::from(band);
     let at_centre = distance(centre);
     if at_centre > reach {
-        return Filled::Outside;
+        return BrickContents::Outside;
     }
     if at_centre < -reach {
-        return Filled::Inside;
+        return BrickContents::Inside;
     }
-    Filled::of(|offset| distance(voxel_at(brick, offset).as_dvec3() * voxel) as f32, band)
+    BrickContents::of(|offset| distance(voxel_at(brick, offset).as_dvec3() * voxel) as f32, band)
 }
 
 #[cfg(test)]

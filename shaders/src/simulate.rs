@@ -58,7 +58,7 @@ impl SimulateError {
 
 /// Memory of each trial of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rooms {
+pub struct TrialCapacity {
     /// Number of own bricks.
     pub bricks: u32,
     /// Number of columns of its height field.
@@ -67,13 +67,13 @@ pub struct Rooms {
     pub ticks: u32,
 }
 
-impl Default for Rooms {
+impl Default for TrialCapacity {
     fn default() -> Self {
         Self { bricks: 64, lines: 2048, ticks: 512 }
     }
 }
 
-impl Rooms {
+impl TrialCapacity {
     /// Rows of the log: a step takes three phases or more.
     fn log_rows(&self) -> u32 {
         self.ticks / 3 + 2
@@ -118,7 +118,7 @@ pub(crate) struct Kernels {
 #[derive(Debug)]
 pub struct Running<'a> {
     simulator: &'a Simulator<'a>,
-    rooms: Rooms,
+    capacity: TrialCapacity,
     header: RunHeader,
     setups: Vec<TrialSetup>,
     /// Number of bricks of the assets.
@@ -152,7 +152,7 @@ pub struct Chunk {
 
 /// Results of a finished trial.
 #[derive(Clone, Debug)]
-pub struct Remains {
+pub struct TrialResults {
     /// Its index: slots from [`TrialSetup::shared_bricks`] on are its own bricks.
     pub index: Vec<u32>,
     /// Its own bricks, shape `[bricks, planes, 512]`.
@@ -188,17 +188,17 @@ impl<'a> Simulator<'a> {
     /// # Errors
     /// [`SimulateError::TooLarge`] if an array exceeds the binding limit, [`SimulateError::Device`] if the device
     /// fails.
-    pub fn load(&self, batch: Batch, rooms: Rooms) -> Result<Running<'_>, SimulateError> {
+    pub fn load(&self, batch: Batch, capacity: TrialCapacity) -> Result<Running<'_>, SimulateError> {
         let trials = batch.setups.len();
         let planes = u64::from(batch.header.planes);
         let shared = batch.bricks.len() as u64 / (planes * u64::from(BRICK_VOXELS));
         let header = batch.header;
         let values_each = batch.values.len() / trials;
         let mut setups = batch.setups;
-        lay_out(&mut setups, rooms, shared, values_each);
-        check(self.device, (&setups, &header), rooms, shared)?;
+        lay_out(&mut setups, capacity, shared, values_each);
+        check(self.device, (&setups, &header), capacity, shared)?;
         let index = spread_index(&batch.index, &setups);
-        let size = sizes(&setups, &header, rooms, shared);
+        let size = sizes(&setups, &header, capacity, shared);
         let [run, setup_buffer, states, index, pool, columns, path, log, values] = filled(
             self.device,
             &format!("uploading {} (trials: {trials})", mib(&size.total())),
@@ -215,7 +215,7 @@ impl<'a> Simulator<'a> {
             ],
         )?;
         let buffers = Buffers { header: run, setups: setup_buffer, states, index, pool, columns, path, log, values };
-        Ok(Running { simulator: self, rooms, header, setups, shared, values_each, buffers })
+        Ok(Running { simulator: self, capacity, header, setups, shared, values_each, buffers })
     }
 }
 
@@ -269,18 +269,18 @@ fn entries(setup: &TrialSetup) -> u32 {
 }
 
 /// Assigns each trial its offsets in the arrays, one trial after the other.
-fn lay_out(setups: &mut [TrialSetup], rooms: Rooms, shared: u64, values_each: usize) {
+fn lay_out(setups: &mut [TrialSetup], capacity: TrialCapacity, shared: u64, values_each: usize) {
     let mut index = 0;
     for (trial, setup) in (0..).zip(setups) {
         setup.grid_dims[3] = index;
         setup.source_first = index + entries(setup);
-        index = setup.source_first + rooms.bricks;
-        setup.spare_first = shared as u32 + trial * rooms.bricks;
-        setup.spare_bricks = rooms.bricks;
-        setup.column_first = trial * rooms.lines * COLUMN_ARRAYS;
-        setup.column_lines = rooms.lines;
-        setup.log_first = trial * rooms.log_rows();
-        setup.log_rows = rooms.log_rows();
+        index = setup.source_first + capacity.bricks;
+        setup.spare_first = shared as u32 + trial * capacity.bricks;
+        setup.spare_bricks = capacity.bricks;
+        setup.column_first = trial * capacity.lines * COLUMN_ARRAYS;
+        setup.column_lines = capacity.lines;
+        setup.log_first = trial * capacity.log_rows();
+        setup.log_rows = capacity.log_rows();
         setup.value_first = trial * values_each as u32;
     }
 }
@@ -312,15 +312,15 @@ impl Sizes {
     }
 }
 
-fn sizes(setups: &[TrialSetup], header: &RunHeader, rooms: Rooms, shared: u64) -> Sizes {
+fn sizes(setups: &[TrialSetup], header: &RunHeader, capacity: TrialCapacity, shared: u64) -> Sizes {
     let trials = setups.len() as u64;
-    let bricks = shared + trials * u64::from(rooms.bricks);
-    let index: u64 = setups.iter().map(|setup| u64::from(entries(setup)) + u64::from(rooms.bricks)).sum();
+    let bricks = shared + trials * u64::from(capacity.bricks);
+    let index: u64 = setups.iter().map(|setup| u64::from(entries(setup)) + u64::from(capacity.bricks)).sum();
     Sizes {
         pool: bricks * u64::from(header.planes) * u64::from(BRICK_VOXELS) * WORD,
-        columns: trials * u64::from(rooms.lines) * u64::from(COLUMN_ARRAYS) * WORD,
+        columns: trials * u64::from(capacity.lines) * u64::from(COLUMN_ARRAYS) * WORD,
         index: index * WORD,
-        log: trials * u64::from(rooms.log_rows()) * size_of::<LogRecord>() as u64,
+        log: trials * u64::from(capacity.log_rows()) * size_of::<LogRecord>() as u64,
     }
 }
 
@@ -328,11 +328,11 @@ fn sizes(setups: &[TrialSetup], header: &RunHeader, rooms: Rooms, shared: u64) -
 fn check(
     device: &Device,
     (setups, header): (&[TrialSetup], &RunHeader),
-    rooms: Rooms,
+    capacity: TrialCapacity,
     shared: u64,
 ) -> Result<(), SimulateError> {
     let limit = binding_limit(device);
-    let Sizes { pool, columns, index, log } = sizes(setups, header, rooms, shared);
+    let Sizes { pool, columns, index, log } = sizes(setups, header, capacity, shared);
     let arrays = [("bricks", pool), ("columns", columns), ("index", index), ("log", log)];
     match arrays.into_iter().find(|(_, bytes)| *bytes > limit) {
         Some((array, bytes)) => {

@@ -112,7 +112,7 @@ fn raise(grid: &mut BrickGrid, sheet: &Sheet, sunk: &[f64], column: &Column) {
                 break;
             }
             // The closest surface point lies on another column.
-            let around = Around::of(sheet, column, slope * (phi * flatness * per_pitch));
+            let around = BilinearStencil::of(sheet, column, slope * (phi * flatness * per_pitch));
             let sunk = around.map_or(0.0, |around| around.mean(sunk));
             if sunk > 0.0 {
                 let steepness = (rise * per_pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) * flatness;
@@ -135,12 +135,12 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
 }
 
 /// The four columns around a point of the window, with their bilinear weights.
-struct Around {
+struct BilinearStencil {
     lines: [usize; 4],
     weights: [f64; 4],
 }
 
-impl Around {
+impl BilinearStencil {
     /// The columns around the point at offset `at` [columns] from a column; `None` beyond the window.
     #[inline(always)]
     fn of(sheet: &Sheet, column: &Column, at: DVec2) -> Option<Self> {

@@ -3,13 +3,13 @@
 //! The patch is divided into the cells around the height field's columns. In a cell that the patch's rim or the border
 //! of the working surface crosses, the depth is taken as linear and integrated exactly. Inside the patch it is taken as
 //! quadratic. So sums over cells are second order in the voxel size. A tool from a mesh has edges between columns: its
-//! cells are subdivided (`closer`).
+//! cells are subdivided (`subdivision`).
 
 mod border;
-mod closer;
+mod deepest_point;
 mod patch;
-mod peak;
 mod rows;
+mod subdivision;
 mod wall;
 
 use std::ops::Range;
@@ -19,8 +19,8 @@ use serde::Serialize;
 
 pub(crate) use self::border::SheetFrame;
 use self::border::{Border, Cover, swept_spans};
-pub(crate) use self::peak::Peak;
-use self::rows::{Covers, Depths, Settle, UNSETTLED, rows_around};
+pub(crate) use self::deepest_point::DeepestPoint;
+use self::rows::{ClassifyCells, Covers, Depths, UNRESOLVED, rows_around};
 use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::lines::{Lines, Run};
 use crate::pose::{Frame, Placement};
@@ -76,7 +76,7 @@ struct Measured {
 
 /// Depths of a height field's cells under a tool; the buffers are reused.
 #[derive(Clone, Debug, Default)]
-pub struct Squares {
+pub struct ContactCells {
     /// Depth at the column itself [m], negative in the air. Known in the region and on the columns around it; in a
     /// sweep, under the pad and around it.
     pub depth: Vec<f64>,
@@ -94,7 +94,7 @@ pub struct Squares {
     /// Columns that had a share when they were measured.
     pub wet: Lines,
     /// Share of the cell that is under the working surface, in contact or not. Known where a cell has a share; in a
-    /// sweep it is [`UNSETTLED`] where it has to be computed on demand.
+    /// sweep it is [`UNRESOLVED`] where it has to be computed on demand.
     cover: Vec<f64>,
     /// Region that was measured.
     region: Region,
@@ -105,10 +105,10 @@ pub struct Squares {
     /// Pose of the tool.
     at: Option<Measured>,
     /// True if cells with curved depths are subdivided, whatever the tool.
-    looks_closer: bool,
+    is_subdivided: bool,
 }
 
-impl Squares {
+impl ContactCells {
     /// Measures the depths under a tool over a region. `gap` [m] is the distance that effects add between tool and
     /// workpiece, one value per column of the grown region, or empty. The contact is a mean over the tool's sweep about
     /// its pose: it uses the time in which the working surface is over a cell, and a pad's depth in that time.
@@ -124,12 +124,12 @@ impl Squares {
         self.columns.clear();
         self.columns.extend(region.rows.clone().map(sought));
         let lanes = pulp::Arch::new();
-        lanes.dispatch(Depths { border: &border, sheet, squares: self });
+        lanes.dispatch(Depths { border: &border, sheet, contact_cells: self });
         for (line, gap) in region.grown().lines(sheet.window.size[1]).zip(gap) {
             self.depth[line] -= gap;
         }
         self.leave_walls(&border, sheet);
-        lanes.dispatch(Covers { border: &border, sheet, squares: self });
+        lanes.dispatch(Covers { border: &border, sheet, contact_cells: self });
         self.settle(&border, sheet);
         let is_pad = matches!(tool, Tool::Pad(_)) && gap.is_empty();
         self.at = is_pad.then_some(Measured { frame: pose.frame, sweep, over: pose.centre, centre: pose.centre });
@@ -169,9 +169,9 @@ impl Squares {
 
     /// Computes mean depths and shares of all cells from known depths and covers.
     fn settle(&mut self, border: &Border, sheet: &Sheet) {
-        pulp::Arch::new().dispatch(Settle { border, sheet, squares: self });
-        let closer = self.is_closer(border);
-        if closer {
+        pulp::Arch::new().dispatch(ClassifyCells { border, sheet, contact_cells: self });
+        let subdivided = self.needs_subdivision(border);
+        if subdivided {
             self.unsettle(sheet);
         }
         let across = sheet.window.size[1];
@@ -179,12 +179,12 @@ impl Squares {
             let columns = &self.columns[place];
             let (mut line, end) = (row * across + columns.start, row * across + columns.end);
             while line < end {
-                if self.share[line] == UNSETTLED {
+                if self.share[line] == UNRESOLVED {
                     self.share[line] = 0.0;
-                    if closer {
-                        self.measure_closer(border, sheet, line);
+                    if subdivided {
+                        self.measure_subdivided(border, sheet, line);
                     } else {
-                        self.measure_square(border, sheet, line);
+                        self.measure_cell(border, sheet, line);
                     }
                     line += 1;
                     continue;
@@ -209,7 +209,7 @@ impl Squares {
         }
     }
 
-    fn measure_square(&mut self, border: &Border, sheet: &Sheet, line: usize) {
+    fn measure_cell(&mut self, border: &Border, sheet: &Sheet, line: usize) {
         let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
         let most = spans.0 + spans.1 + border.sunk();
@@ -242,7 +242,7 @@ impl Squares {
 
     fn cover_of(&self, border: &Border, sheet: &Sheet, line: usize) -> Cover {
         let share = self.cover[line];
-        if share == UNSETTLED {
+        if share == UNRESOLVED {
             return border.cover(sheet, line);
         }
         Cover { share, lag: self.lag.get(line).copied().unwrap_or(0.0) }

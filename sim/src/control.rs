@@ -4,7 +4,7 @@ use shaders::constants::EVALUATIONS;
 use shaders::constants::FIRST_NUDGE;
 use shaders::constants::FIRST_STRIDE;
 
-use crate::phi_functions::Decay;
+use crate::phi_functions::PhiWeights;
 
 /// Travel and speed of a tool along its approach axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -120,7 +120,7 @@ impl Balance {
 /// any length is exact for a spring on a damper (exponential fitting, Liniger and Willoughby 1970): 1/2 for a short
 /// step, 1 for a long one.
 pub(crate) fn end_weight(x: f64) -> f64 {
-    let decay = Decay::new(x);
+    let decay = PhiWeights::new(x);
     decay.phi2 / decay.phi1
 }
 

@@ -95,14 +95,14 @@ impl Covariates {
     pub(crate) fn add(
         &mut self,
         sheet: &Sheet,
-        squares: impl Iterator<Item = Square>,
+        contact_cells: impl Iterator<Item = Square>,
         slip_speed: impl Fn(DVec3) -> f64,
         (time, dt): (f64, f64),
     ) {
         if sheet.facing != Facing::of(DVec3::Z) {
             return;
         }
-        for square in squares {
+        for square in contact_cells {
             let Some(at) = self.line(sheet.window.place(square.line)) else { continue };
             let contact = square.share * dt;
             self.pressure_time[at] += square.load * dt;

@@ -1,7 +1,7 @@
 //! Weights of an exponential integrator (Hochbruck and Ostermann 2010, eq. 2.11): φ at the step's end, ψ for its mean.
 
 /// Weights of a step with `x = λ dt`.
-pub(crate) struct Decay {
+pub(crate) struct PhiWeights {
     /// λ dt
     pub(crate) x: f64,
     /// (1 - e^-x)/x
@@ -14,7 +14,7 @@ pub(crate) struct Decay {
     pub(crate) psi2: f64,
 }
 
-impl Decay {
+impl PhiWeights {
     /// Recession over a step per bulge. The bulge is the excess of the depth over its linear course in the middle of
     /// the step, for a parabola over time.
     pub(crate) fn bulge_gain(&self) -> f64 {
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn series_and_closed_forms_of_the_weights_meet() {
-        let (low, high) = (Decay::new(1e-2 - 1e-9), Decay::new(1e-2 + 1e-9));
+        let (low, high) = (PhiWeights::new(1e-2 - 1e-9), PhiWeights::new(1e-2 + 1e-9));
         for (a, b) in [(low.phi1, high.phi1), (low.phi2, high.phi2), (low.psi1, high.psi1), (low.psi2, high.psi2)] {
             assert!((a - b).abs() < 1e-8, "{a} {b}");
         }
@@ -63,7 +63,7 @@ mod tests {
             m += h * ((b - a) / dt - rate);
             mean += removed / f64::from(n);
         }
-        let decay = Decay::new(lambda * dt);
+        let decay = PhiWeights::new(lambda * dt);
         let step = dt * lambda * (a * decay.phi1 + (b - a) * decay.phi2);
         let step_mean = dt * lambda * (a * decay.psi1 + (b - a) * decay.psi2);
         assert!((step / removed - 1.0).abs() < 1e-6, "{step} {removed}");

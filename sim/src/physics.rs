@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
-use crate::contact::{Contact, Ground, SheetFrame, Squares};
+use crate::contact::{Contact, ContactCells, Ground, SheetFrame};
 use crate::covariates::Covariates;
 use crate::lines::{Lines, Run};
 use crate::pose::Placement;
@@ -22,7 +22,7 @@ pub struct InContact<'a> {
     /// The height field.
     pub sheet: &'a Sheet,
     /// Their depths and shares under the tool, if measured.
-    pub squares: Option<&'a Squares>,
+    pub contact_cells: Option<&'a ContactCells>,
     /// Their column indices.
     pub lines: &'a Lines,
 }
@@ -59,7 +59,7 @@ pub struct Physics<'a> {
 
 /// Memory of a model's formulas between two stretches of a pass, besides the tool's states.
 #[derive(Clone, Debug)]
-pub(crate) struct Memory {
+pub(crate) struct FormulaMemory {
     step: StepValues,
     cells: HashMap<(i32, i32), Vec<f64>>,
 }
@@ -98,12 +98,12 @@ impl<'a> Physics<'a> {
     }
 
     /// Takes out the memory for the next stretch of a pass.
-    pub(crate) fn take_memory(&mut self) -> Memory {
-        Memory { step: self.step.clone(), cells: std::mem::take(&mut self.cells) }
+    pub(crate) fn take_memory(&mut self) -> FormulaMemory {
+        FormulaMemory { step: self.step.clone(), cells: std::mem::take(&mut self.cells) }
     }
 
     /// Restores the memory of the previous stretch.
-    pub(crate) fn take_up(&mut self, Memory { step, cells }: Memory) {
+    pub(crate) fn take_up(&mut self, FormulaMemory { step, cells }: FormulaMemory) {
         (self.step, self.cells) = (step, cells);
     }
 
@@ -188,7 +188,7 @@ impl<'a> Physics<'a> {
         let mut lines = Lines::default();
         let Ground { sheet, region } = *ground;
         region.grown().lines(sheet.window.size[1]).for_each(|line| lines.push(line));
-        self.place(place, &InContact { sheet, squares: None, lines: &lines });
+        self.place(place, &InContact { sheet, contact_cells: None, lines: &lines });
         out.resize(lines.len(), 0.0);
         self.run(Hook::Shape, &[], out)
     }
@@ -224,7 +224,7 @@ impl<'a> Physics<'a> {
 
     /// Fills the lanes of the given variables.
     fn fill(&mut self, variables: &[Variable], place: &Placement, at: &InContact) {
-        let InContact { sheet, squares, lines } = *at;
+        let InContact { sheet, contact_cells, lines } = *at;
         let motion = self.motion();
         let frame = SheetFrame::new(&place.pose, sheet);
         let local = |line: usize| frame.local(sheet.point(line));
@@ -246,7 +246,9 @@ impl<'a> Physics<'a> {
                     Variable::Z => sheet.facing.world(sheet.point(line)).z,
                     Variable::ToolX => local(line).x,
                     Variable::ToolY => local(line).y,
-                    Variable::DepthLaplacian => squares.map_or(0.0, |squares| squares.laplacian(sheet, line)),
+                    Variable::DepthLaplacian => {
+                        contact_cells.map_or(0.0, |contact_cells| contact_cells.laplacian(sheet, line))
+                    }
                     Variable::RemovedDepth => sheet.removed[line],
                     Variable::Dose => sheet.dose[line],
                     Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
@@ -350,7 +352,7 @@ impl<'a> Physics<'a> {
 fn slip_speeds(
     (tool, frame): (&Tool, &SheetFrame),
     (spindle, feed): (f64, DVec3),
-    &InContact { sheet, squares, lines }: &InContact,
+    &InContact { sheet, contact_cells, lines }: &InContact,
     out: &mut [f64],
 ) {
     for Run { lines: run, lanes } in lines.runs() {
@@ -358,8 +360,8 @@ fn slip_speeds(
         let points = sheet.places()[run.clone()].iter().zip(&sheet.height[run.clone()]);
         let places = points.map(|([u, v], height)| frame.local(DVec3::new(*u, *v, *height)));
         let speeds = speeds.iter_mut().zip(places);
-        match squares.and_then(|squares| Some((squares, squares.lag.get(run.clone())?))) {
-            Some((Squares { way, mean_depth, share, .. }, lag)) => {
+        match contact_cells.and_then(|contact_cells| Some((contact_cells, contact_cells.lag.get(run.clone())?))) {
+            Some((ContactCells { way, mean_depth, share, .. }, lag)) => {
                 let sinking = if matches!(tool, Tool::Pad(_)) { -way.z } else { 0.0 };
                 let depths = mean_depth[run.clone()].iter().zip(&share[run.clone()]);
                 for (((speed, at), lag), (depth, share)) in speeds.zip(lag).zip(depths) {

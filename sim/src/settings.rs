@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::clock::Clock;
 use crate::covariates::Covariates;
-use crate::force_course::ForceCourse;
+use crate::force_profile::ForceProfile;
 use crate::measured::Measured;
 use crate::path::Path;
 use effects::{CompiledModel, Hook, RunError, Variable};
@@ -90,7 +90,7 @@ pub struct Pass<'a> {
     /// Quantities measured along the pass, for formulas.
     pub measured: &'a [Measured],
     /// Setpoint that changes along the pass; otherwise that of the settings.
-    pub force: Option<&'a ForceCourse>,
+    pub force: Option<&'a ForceProfile>,
     /// Covariates to be accumulated for each point of the surface; `None` costs nothing.
     pub covariates: Option<&'a RefCell<Covariates>>,
     /// Timer of the phases of the work; `None` costs nothing.

@@ -2,9 +2,9 @@
 
 use crate::control::Motion;
 use crate::pose::Pose;
-use crate::scheme::Applied;
+use crate::scheme::AppliedRemoval;
 use crate::settings::Pass;
-use crate::step::Taken;
+use crate::step::AcceptedStep;
 use crate::tool_cells::ToolCells;
 use effects::{StepValues, Variable};
 use robot::Tool;
@@ -82,8 +82,8 @@ impl Moment {
     }
 
     /// Records the results of a step; `before` is the tool's motion at its start, `patch_width` in [m].
-    pub(crate) fn leave(&mut self, taken: &Taken, before: Motion, patch_width: f64) {
-        let Taken { motion, dt, contact, applied: Applied { removal, .. }, .. } = taken;
+    pub(crate) fn leave(&mut self, taken: &AcceptedStep, before: Motion, patch_width: f64) {
+        let AcceptedStep { motion, dt, contact, applied: AppliedRemoval { removal, .. }, .. } = taken;
         let speed = (motion.travel - before.travel) / dt;
         self.lift_acceleration = (speed - self.lift_speed) / dt;
         self.lift_speed = speed;

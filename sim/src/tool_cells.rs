@@ -53,7 +53,7 @@ impl ToolCells {
 }
 
 /// A cell of the height field in contact, as input of the sums over tool cells.
-pub struct Under {
+pub struct CellLoad {
     /// Share of the cell in contact.
     pub share: f64,
     /// Mean pressure over the cell [Pa].
@@ -100,7 +100,7 @@ impl Default for CellSums {
 
 impl CellSums {
     /// Adds a height field cell at a fractional tool cell index.
-    pub fn add(&mut self, place: f64, under: &Under) {
+    pub fn add(&mut self, place: f64, under: &CellLoad) {
         let first = place as usize;
         let fraction = place - first as f64;
         for (cell, weight) in [(first, 1.0 - fraction), ((first + 1).min(COUNT - 1), fraction)] {

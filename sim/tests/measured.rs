@@ -5,7 +5,7 @@ mod common;
 use common::{fresh, line, plate};
 use effects::{CompiledModel, Dimension, Library, Model, Process, RowCounts};
 use robot::{Tool, Wheel};
-use sim::{ForceCourse, Measured, Pass, PassSettings, Path, rest, run_pass};
+use sim::{ForceProfile, Measured, Pass, PassSettings, Path, rest, run_pass};
 
 const FORCE: f64 = 15.0;
 const REFERENCE: f64 = 0.5;
@@ -112,8 +112,8 @@ fn the_removal_follows_a_force_along_the_pass() {
     // A ramp from 5 N to 25 N with a ripple of 10 % and 12 Hz; no step is short enough to resolve it.
     let force = |time: f64| 5.0 + 20.0 * time / duration + 1.5 * (std::f64::consts::TAU * 12.0 * time).sin();
     let times = (0..=1600).map(|k| k as f64 / 1600.0 * duration);
-    let course = ForceCourse::new(times.map(|time| (time, force(time))), 0.0);
-    let removed = |force: Option<&ForceCourse>| {
+    let course = ForceProfile::new(times.map(|time| (time, force(time))), 0.0);
+    let removed = |force: Option<&ForceProfile>| {
         let (mut grid, mut states) = (plate(0.5e-3, 0.0), fresh(&model));
         let pass = Pass { force, ..Pass::first(&tool, &path, &settings, &model) };
         run_pass(&mut grid, pass, &mut states, &mut |_| {}).expect("a pass").removed_volume

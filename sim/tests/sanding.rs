@@ -10,7 +10,7 @@ use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::DVec3;
 use robot::{Controller, Pad, Tool};
 use sdf_bake::BrickGrid;
-use sim::contact::{Ground, Squares};
+use sim::contact::{ContactCells, Ground};
 use sim::region::Region;
 use sim::sheet::{Facing, Sheet, Window};
 use sim::{Frame, Pass, PassRecord, PassSettings, Path, PathSample, Placement, Pose, run_pass};
@@ -177,7 +177,7 @@ fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
     let (tool, region) = (Tool::from(Pad { radius: 0.0125 }), Region::inside(&window));
     let ground = Ground { sheet: &sheet, region: &region };
     let sweep = DVec3::new(1e-3, 4e-4, -3e-5);
-    let (mut steady, mut wet) = (Squares::default(), Vec::new());
+    let (mut steady, mut wet) = (ContactCells::default(), Vec::new());
     for tilt in [0.0, 4e-3] {
         let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z }.tilted(tilt, -0.5 * tilt);
         let pose = |sunk: f64| Pose { centre: DVec3::new(3e-4, -2e-4, -sunk), approach: DVec3::Z, frame };
@@ -188,16 +188,19 @@ fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
                 steady.measure(&place(sunk), &ground, &[]);
                 assert_ne!(tilt, 0.0, "a level pad does not move across its axis");
             }
-            let mut measured_again = Squares::default();
+            let mut measured_again = ContactCells::default();
             measured_again.measure(&place(sunk), &ground, &[]);
             assert_eq!(steady.wet, measured_again.wet, "{tilt} rad, {sunk} m");
             for line in measured_again.wet.list().iter().map(|line| *line as usize) {
-                let off = |of: fn(&Squares) -> &[f64]| (of(&steady)[line] - of(&measured_again)[line]).abs();
+                let off = |of: fn(&ContactCells) -> &[f64]| (of(&steady)[line] - of(&measured_again)[line]).abs();
                 // A tilted pad may move across its axis by a thousandth of a voxel: the share of a cell under it
                 // changes by as much.
                 let (share, depth) = if tilt == 0.0 { (1e-10, 1e-14) } else { (2e-3, 2e-6) };
-                assert!(off(|squares| &squares.share) < share && off(|squares| &squares.area) < share);
-                assert!(off(|squares| &squares.mean_depth) < depth);
+                assert!(
+                    off(|contact_cells| &contact_cells.share) < share
+                        && off(|contact_cells| &contact_cells.area) < share
+                );
+                assert!(off(|contact_cells| &contact_cells.mean_depth) < depth);
             }
             wet.push(measured_again.wet.len());
         }

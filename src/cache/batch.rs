@@ -11,11 +11,11 @@ use sdf_bake::read::MeshBytes;
 
 use super::sources::Sources;
 use super::{Cache, Recipe, Record};
-use crate::baking::{FieldWishes, bake_part};
+use crate::baking::{FieldSettings, bake_part};
 use crate::part::Part;
 use crate::store::Filled;
-use files::file_lock::Patience;
-use files::room::Room;
+use files::budget::Budget;
+use files::file_lock::LockWait;
 use sdf_bake::memory_budget;
 
 /// Meshes to bake into a cache.
@@ -23,7 +23,7 @@ pub struct Batch<'a> {
     /// Cache of the results.
     pub cache: &'a Cache,
     /// Settings of the fields.
-    pub wishes: FieldWishes,
+    pub settings: FieldSettings,
     /// Number of meshes baked at once.
     pub jobs: usize,
 }
@@ -56,7 +56,7 @@ struct Work<'a> {
     batch: &'a Batch<'a>,
     /// Baking time of each entry made in this run [s].
     baked: Mutex<HashMap<String, f64>>,
-    room: Room,
+    budget: Budget,
 }
 
 impl Batch<'_> {
@@ -67,11 +67,11 @@ impl Batch<'_> {
     /// If the index cannot be written, or `done` fails; a mesh that fails is an outcome.
     pub fn run(&self, sources: Sources, mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
         let meshes: Vec<Source> = sources.into_iter().collect();
-        let room = Room::new(memory_budget::MOST_BRICKS);
-        let work = Work { batch: self, baked: Mutex::default(), room };
+        let budget = Budget::new(memory_budget::MOST_BRICKS);
+        let work = Work { batch: self, baked: Mutex::default(), budget };
         let mut keys = BTreeMap::new();
         let mut in_order = InOrder::default();
-        let make = |(mesh, fault): &Source, patience| work.outcome(mesh, fault.as_deref(), patience);
+        let make = |(mesh, fault): &Source, wait| work.outcome(mesh, fault.as_deref(), wait);
         let worked = self.cache.work_through(&meshes, self.jobs, make, |turn, made| {
             in_order.add(turn, made, |mut outcome| {
                 work.credit(&mut outcome);
@@ -86,21 +86,21 @@ impl Batch<'_> {
 }
 
 impl Work<'_> {
-    /// Finds or makes the entry of one mesh; `None` if another job is making it and `patience` does not allow waiting.
-    fn entry(&self, mesh: &Path, patience: Patience) -> Result<Option<Entry>> {
-        let Batch { cache, wishes, .. } = self.batch;
+    /// Finds or makes the entry of one mesh; `None` if another job is making it and `wait` does not allow waiting.
+    fn entry(&self, mesh: &Path, wait: LockWait) -> Result<Option<Entry>> {
+        let Batch { cache, settings, .. } = self.batch;
         let bytes = MeshBytes::load(mesh)?;
-        let recipe = Recipe::new(&bytes, wishes)?;
+        let recipe = Recipe::new(&bytes, settings)?;
         let key = recipe.key()?;
         let filled = cache.fill(
             &key,
-            patience,
+            wait,
             || cache.find(&key),
             || -> Result<Record> {
-                let part = Part::from_bytes(&bytes, wishes.unit)?;
+                let part = Part::from_bytes(&bytes, settings.unit)?;
                 drop(bytes);
-                let options = wishes.options(&part);
-                let _share = self.room.share(memory_budget::check(&part.mesh, &options)?);
+                let options = settings.options(&part);
+                let _share = self.budget.share(memory_budget::check(&part.mesh, &options)?);
                 let baked = bake_part(&part, &options)?;
                 // Stored before other jobs can find the entry, so that it does not count as an earlier one.
                 lock(&self.baked).insert(key.clone(), baked.bake_s);
@@ -111,11 +111,11 @@ impl Work<'_> {
         Ok(Some(Entry { key, record, bake_s: None }))
     }
 
-    fn outcome(&self, mesh: &Path, fault: Option<&str>, patience: Patience) -> Option<Outcome> {
+    fn outcome(&self, mesh: &Path, fault: Option<&str>, wait: LockWait) -> Option<Outcome> {
         let started = Instant::now();
         let make = || match fault {
             Some(reason) => bail!("{reason}"),
-            None => self.entry(mesh, patience),
+            None => self.entry(mesh, wait),
         };
         // A bug that one mesh triggers must not affect the others.
         let result = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|_| Err(anyhow!("a bug in this program")));

@@ -9,7 +9,7 @@ use sdf_bake::{BakeOptions, SignChoice, bake};
 use serde::Serialize;
 
 use super::CACHE_FORMAT;
-use crate::baking::FieldWishes;
+use crate::baking::FieldSettings;
 use crate::part::{Part, sha256};
 use crate::workpiece::Fineness;
 
@@ -34,9 +34,9 @@ impl Recipe {
     ///
     /// # Errors
     /// Never in a released program: the bundled part is baked to identify the baker.
-    pub fn new(mesh: &MeshBytes, wishes: &FieldWishes) -> Result<Self> {
+    pub fn new(mesh: &MeshBytes, settings: &FieldSettings) -> Result<Self> {
         // The pattern lists every field, so that a new one cannot be forgotten here.
-        let FieldWishes { unit, fineness, band_voxels, sign, shell } = *wishes;
+        let FieldSettings { unit, fineness, band_voxels, sign, shell } = *settings;
         Ok(Self {
             format: CACHE_FORMAT,
             baker: baker()?,
@@ -101,33 +101,33 @@ mod tests {
     fn the_key_follows_all_that_decides_the_field_and_nothing_else() {
         let place = tempfile::tempdir().unwrap();
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-        let wishes = FieldWishes {
+        let settings = FieldSettings {
             unit: UnitChoice::Auto,
             fineness: Fineness::Resolution(64),
             band_voxels: 3.0,
             sign: SignChoice::Auto,
             shell: None,
         };
-        let key = |name: &str, text: &str, wishes: &FieldWishes| {
-            Recipe::new(&mesh(place.path(), name, text), wishes).unwrap().key().unwrap()
+        let key = |name: &str, text: &str, settings: &FieldSettings| {
+            Recipe::new(&mesh(place.path(), name, text), settings).unwrap().key().unwrap()
         };
-        let first = key("a.obj", text, &wishes);
+        let first = key("a.obj", text, &settings);
         assert_eq!(first.len(), 64);
-        assert_eq!(first, key("copy.obj", text, &wishes));
+        assert_eq!(first, key("copy.obj", text, &settings));
         let others = [
-            key("a.obj", &format!("{text}#\n"), &wishes),
-            key("a_mm.obj", text, &wishes),
-            key("a.obj", text, &FieldWishes { unit: UnitChoice::Millimetre, ..wishes }),
-            key("a.obj", text, &FieldWishes { fineness: Fineness::Resolution(65), ..wishes }),
-            key("a.obj", text, &FieldWishes { fineness: Fineness::Voxel(64.0), ..wishes }),
-            key("a.obj", text, &FieldWishes { band_voxels: 4.0, ..wishes }),
-            key("a.obj", text, &FieldWishes { sign: SignChoice::Winding, ..wishes }),
-            key("a.obj", text, &FieldWishes { shell: Some(0.5), ..wishes }),
+            key("a.obj", &format!("{text}#\n"), &settings),
+            key("a_mm.obj", text, &settings),
+            key("a.obj", text, &FieldSettings { unit: UnitChoice::Millimetre, ..settings }),
+            key("a.obj", text, &FieldSettings { fineness: Fineness::Resolution(65), ..settings }),
+            key("a.obj", text, &FieldSettings { fineness: Fineness::Voxel(64.0), ..settings }),
+            key("a.obj", text, &FieldSettings { band_voxels: 4.0, ..settings }),
+            key("a.obj", text, &FieldSettings { sign: SignChoice::Winding, ..settings }),
+            key("a.obj", text, &FieldSettings { shell: Some(0.5), ..settings }),
         ];
         let distinct: std::collections::BTreeSet<&String> = others.iter().chain([&first]).collect();
         assert_eq!(distinct.len(), others.len() + 1);
         // With a given unit, the unit in the file's name has no influence.
-        let given = FieldWishes { unit: UnitChoice::Metre, ..wishes };
+        let given = FieldSettings { unit: UnitChoice::Metre, ..settings };
         assert_eq!(key("a.obj", text, &given), key("a_mm.obj", text, &given));
     }
 }

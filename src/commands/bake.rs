@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::flags::{JOBS, MESH, MeshFlags, OutFlags};
 use super::values::whole;
-use crate::baking::{FIELD, FieldFacts, FieldWishes, bake_part};
+use crate::baking::{FIELD, FieldFacts, FieldSettings, bake_part};
 use crate::cache::{Batch, Cache, Entry, INDEX_FILE, Outcome, find_meshes};
 use crate::console::Console;
 use crate::in_full;
@@ -70,7 +70,7 @@ struct Failure<'a> {
 }
 
 pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
-    let wishes = FieldWishes {
+    let settings = FieldSettings {
         unit: args.mesh.unit.into(),
         fineness: args.mesh.fineness(),
         band_voxels: args.mesh.band,
@@ -78,19 +78,19 @@ pub(super) fn run(args: &BakeArgs, console: &Console) -> Result<()> {
         shell: args.mesh.shell(),
     };
     match args.meshes.as_slice() {
-        [mesh] if !mesh.is_dir() && !args.resume => bake_one(mesh, &wishes, &args.out, console),
-        _ => bake_many(args, wishes, console),
+        [mesh] if !mesh.is_dir() && !args.resume => bake_one(mesh, &settings, &args.out, console),
+        _ => bake_many(args, settings, console),
     }
 }
 
 /// Bakes one mesh into one file.
-fn bake_one(mesh: &Path, wishes: &FieldWishes, out: &OutFlags, console: &Console) -> Result<()> {
+fn bake_one(mesh: &Path, settings: &FieldSettings, out: &OutFlags, console: &Console) -> Result<()> {
     let started = Instant::now();
     let file = StagedFile::new(&out.beside(&[mesh]), &FIELD)?;
-    let part = Part::load(mesh, wishes.unit)?;
+    let part = Part::load(mesh, settings.unit)?;
     part.describe(console);
     let name = || mesh.display().to_string();
-    let options = wishes.options(&part);
+    let options = settings.options(&part);
     memory_budget::check(&part.mesh, &options).with_context(name)?;
     let field = bake_part(&part, &options).with_context(name)?;
     console.step("bake", &field.description);
@@ -116,7 +116,7 @@ struct Tally {
 }
 
 /// Bakes many meshes into a cache.
-fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<()> {
+fn bake_many(args: &BakeArgs, settings: FieldSettings, console: &Console) -> Result<()> {
     let started = Instant::now();
     let sources = find_meshes(&args.meshes)?;
     let occupied = match (args.resume, args.out.force) {
@@ -128,8 +128,8 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
     let meshes = sources.len();
     let bar = console.bar("bake", meshes as u64);
     let mut tally = Tally::default();
-    Batch { cache: &cache, wishes, jobs: args.jobs }.run(sources, |outcome| {
-        bar.suspend(|| tell(outcome, &cache, &mut tally, console))?;
+    Batch { cache: &cache, settings, jobs: args.jobs }.run(sources, |outcome| {
+        bar.suspend(|| report_outcome(outcome, &cache, &mut tally, console))?;
         bar.inc(1);
         Ok(())
     })?;
@@ -146,7 +146,7 @@ fn bake_many(args: &BakeArgs, wishes: FieldWishes, console: &Console) -> Result<
 }
 
 /// Reports the outcome of one mesh, for people and as JSON.
-fn tell(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) -> Result<()> {
+fn report_outcome(outcome: &Outcome, cache: &Cache, tally: &mut Tally, console: &Console) -> Result<()> {
     let mesh = outcome.mesh.to_string_lossy();
     let Entry { key, record, bake_s } = match &outcome.result {
         Ok(entry) => entry,

@@ -88,7 +88,7 @@ fn calibrated(args: &CalibrateArgs, data: &mut Data, library: &Library, console:
     let done = Cell::new(0);
     let fitted = |name: &str| {
         done.set(done.get() + 1);
-        progress.tell(name, done.get(), count);
+        progress.report(name, done.get(), count);
     };
     Ok(data.calibrated((&model, &start), library, (args.order.into(), &fitted))?)
 }

@@ -27,7 +27,7 @@ const COMPARISON_FILE: &str = "comparison.json";
 /// Kind of the result folder.
 const COMPARISON: FolderKind = FolderKind { marker: COMPARISON_FILE, key: "agrees", names: &[("", &["report.html"])] };
 /// Number of covariates shown on the console.
-const TOLD: usize = 5;
+const SHOWN_COVARIATES: usize = 5;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  robofin compare trials --model model.toml --out out/comparison\n  \
@@ -171,7 +171,7 @@ fn describe(comparison: &Comparison, console: &Console) {
         let errors = format!("{:.2} µm, noise alone {:.2} µm", scan.rms_um, scan.noise_floor_um);
         console.step("scan", format!("{}: {errors}{volume}{overlap}", scan.pass));
     }
-    for covariate in comparison.failures.covariates.iter().take(TOLD) {
+    for covariate in comparison.failures.covariates.iter().take(SHOWN_COVARIATES) {
         let (share, drop) = (100.0 * covariate.share, 100.0 * covariate.drop);
         let p = covariate.p_value_of_all;
         console.step(

@@ -11,10 +11,10 @@ use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFile;
 use files::input::{self, MOST_MESH_BYTES};
-use files::output::{FileKind, Out};
+use files::output::{FileKind, OutputPath};
 use instruments::program::{self, Language, Program, ReadOptions};
 use instruments::surface::{self, Source, Window};
-use paths::program::{Unsaid, log_of};
+use paths::program::{ProgramDefaults, log_of};
 use trials::trial::{RPM, log_csv};
 
 /// A converted file; it never replaces a file, because it cannot be distinguished from a measurement.
@@ -60,7 +60,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<()> {
     let file = args
         .out
         .as_ref()
-        .map(|place| StagedFile::new(&Out { place, force: false, inputs: &[&args.input] }, &CONVERTED));
+        .map(|place| StagedFile::new(&OutputPath { place, force: false, inputs: &[&args.input] }, &CONVERTED));
     let file = file.transpose()?;
     let is_program = args.input.extension().is_some_and(|own| Language::of_extension(&own.to_string_lossy()).is_some());
     let (format, summary, notes, made) = if is_program {
@@ -86,8 +86,9 @@ impl ConvertArgs {
         let Some(out) = &self.out else { return Ok(None) };
         let extension = out.extension().unwrap_or_default().to_string_lossy();
         if extension.eq_ignore_ascii_case("csv") {
-            let unsaid = Unsaid { rapid: self.rapid_mm_s * 1e-3, force: self.force_n, spindle: self.spindle_rpm * RPM };
-            return Ok(Some(log_csv(&log_of(program, &unsaid)).into_bytes()));
+            let defaults =
+                ProgramDefaults { rapid: self.rapid_mm_s * 1e-3, force: self.force_n, spindle: self.spindle_rpm * RPM };
+            return Ok(Some(log_csv(&log_of(program, &defaults)).into_bytes()));
         }
         let language = Language::of_extension(&extension).with_context(|| {
             format!("{}: .csv, .nc, .src, .mod, .script or .pose is expected of a program", out.display())

@@ -129,7 +129,7 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
     let plan = plan(args)?;
     console.step("plan", describe(&plan));
     if args.dry_run {
-        return rehearse(out, &plan, console);
+        return report_plan(out, &plan, console);
     }
     let dataset = Dataset::start(out, recipe, Occupied::resumed(args.resume))?;
     let run = Run { dataset: &dataset, plan: &plan, flags: &flags, limits, jobs };
@@ -153,11 +153,11 @@ pub(super) fn run(args: &DatasetArgs, matches: &ArgMatches, console: &Console) -
 
 /// Makes the items of a run and reports each.
 pub(super) fn make(run: &Run, console: &Console) -> Result<Summary> {
-    tell(run.plan.items.len() + run.plan.unreadable.len(), console, |done| run.run(done))
+    report_items(run.plan.items.len() + run.plan.unreadable.len(), console, |done| run.run(done))
 }
 
 /// Reports each item that `work` finishes.
-pub(super) fn tell(
+pub(super) fn report_items(
     items: usize,
     console: &Console,
     work: impl FnOnce(&mut dyn FnMut(&Outcome) -> Result<()>) -> Result<()>,
@@ -225,7 +225,7 @@ struct PlanAnswer<'a> {
     is_there: bool,
 }
 
-fn rehearse(out: &Path, plan: &Plan, console: &Console) -> Result<()> {
+fn report_plan(out: &Path, plan: &Plan, console: &Console) -> Result<()> {
     let dataset = Dataset::open(out).ok();
     let mut there = 0;
     for item in &plan.items {

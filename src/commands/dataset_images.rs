@@ -8,7 +8,7 @@ use clap::Args;
 use paths::Pattern;
 use serde::Serialize;
 
-use super::dataset::{jobs, tell};
+use super::dataset::{jobs, report_items};
 use super::flags::{JOBS, LIMITS, RUNS, SEEDS};
 use super::item_flags::{GIGABYTES, SECONDS};
 use super::render::parse_size;
@@ -197,7 +197,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     let [workpieces, sandings, images] = steps.each_ref().map(Vec::len);
     console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
     if args.dry_run {
-        return rehearse(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
+        return report_plan(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
     }
     let set = ImageSet::start(&args.out, recipe, Occupied::resumed(args.resume))?;
     let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
@@ -220,7 +220,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
 pub(super) fn make(run: &Run<'_, ImageRecipe>, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
     let mut summaries = [Summary::default(), Summary::default(), Summary::default()];
     for (tasks, summary) in steps.iter().zip(&mut summaries) {
-        *summary = tell(tasks.len(), console, |done| run.run(tasks, done))?;
+        *summary = report_items(tasks.len(), console, |done| run.run(tasks, done))?;
     }
     Ok(summaries)
 }
@@ -264,7 +264,7 @@ impl ImagesArgs {
 }
 
 /// Reports the tasks without doing them.
-fn rehearse(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
+fn report_plan(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
     let mut missing = 0;
     for task in steps.iter().flatten() {
         let is_there = set.is_some_and(|set| task.is_there(set));

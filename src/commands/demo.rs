@@ -21,9 +21,9 @@ use crate::finishing::{
 };
 use crate::part::Part;
 use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
-use crate::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
+use crate::workpiece::{Fineness, WeldSettings, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
-use files::output::{FolderKind, Out};
+use files::output::{FolderKind, OutputPath};
 use report::study::story;
 use study::snapshot::Keeping;
 use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
@@ -102,7 +102,7 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<()> {
 fn make(args: &DemoArgs, search: Search, console: &Console) -> Result<()> {
     let started = Instant::now();
     let out = args.out.clone().unwrap_or_else(first_free);
-    let folder = StagedFolder::new(&Out { place: &out, force: args.force, inputs: &[] }, &DEMO)?;
+    let folder = StagedFolder::new(&OutputPath { place: &out, force: args.force, inputs: &[] }, &DEMO)?;
     let ground = weld_and_grind(args, folder.path(), console)?;
     let study = study(&folder.path().join(STUDY_FOLDER), search, console)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -175,13 +175,13 @@ fn demo_options(seed: u64) -> WeldingOptions {
         fineness: Fineness::Voxel(0.4e-3),
         band_voxels: crate::workpiece::DEFAULT_BAND,
         sign: sdf_bake::SignChoice::Auto,
-        wishes: WeldWishes {
+        wishes: WeldSettings {
             placement: Placement::Seam,
             length: Some([0.016; 2]),
             width: Some(0.008),
             convexity: 0.1,
             exposure: Some([0.2, 1.0]),
-            ..WeldWishes::default()
+            ..WeldSettings::default()
         },
     }
 }

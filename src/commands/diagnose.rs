@@ -62,8 +62,8 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
     let (model, fit) = (&calibration.model, calibration.last().fit.clone());
     console.step("calibrated", format!("{} simulations, {:.0} s", fit.runs, started.elapsed().as_secs_f64()));
     let progress = console.progress("effects");
-    let told = |what: &str, done: usize, all: usize| progress.tell(what, done, all);
-    let diagnosis = Diagnosis::new(data.evidence(), (model, fit), &library, (args.seed, &told))?;
+    let on_progress = |what: &str, done: usize, all: usize| progress.report(what, done, all);
+    let diagnosis = Diagnosis::new(data.evidence(), (model, fit), &library, (args.seed, &on_progress))?;
     drop(progress);
     let proposal = proposal(&data, &diagnosis, &library, args.seed)?;
     let summary = DiagnosisSummary { proposal, ..summary(&mut data, &diagnosis, &library)? };

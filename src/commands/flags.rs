@@ -8,7 +8,7 @@ use sdf_bake::read::UnitChoice;
 
 use super::values::{number, positive, whole};
 use crate::workpiece::Fineness;
-use files::output::Out;
+use files::output::OutputPath;
 
 /// Default number of voxels along the longest side.
 const DEFAULT_RESOLUTION: u32 = 256;
@@ -148,8 +148,8 @@ pub(super) struct OutFlags {
 
 impl OutFlags {
     /// Returns the output path, with the inputs of the verb.
-    pub(super) fn beside<'a>(&'a self, inputs: &'a [&'a Path]) -> Out<'a> {
-        Out { place: &self.out, force: self.force, inputs }
+    pub(super) fn beside<'a>(&'a self, inputs: &'a [&'a Path]) -> OutputPath<'a> {
+        OutputPath { place: &self.out, force: self.force, inputs }
     }
 }
 

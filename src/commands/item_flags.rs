@@ -8,7 +8,7 @@ use sdf_bake::read::UnitChoice;
 use super::flags::{MESH, MeshFlags, RUNS, SEEDS, solid_only};
 use super::values::{number, whole};
 use super::weld::WeldFlags;
-use crate::dataset::item::ItemWishes;
+use crate::dataset::item::ItemSettings;
 use crate::dataset::{DATASET_FORMAT, Recipe};
 use crate::store::limits::Limits;
 use crate::workpiece::{Fineness, WeldingOptions};
@@ -99,7 +99,7 @@ impl ItemFlags {
     }
 
     /// Returns the settings shared by all items.
-    pub(super) fn wishes(&self) -> ItemWishes {
+    pub(super) fn wishes(&self) -> ItemSettings {
         let options = WeldingOptions {
             seed: self.seed,
             fineness: self.mesh.fineness_or(Fineness::Diagonal(DIAGONAL_VOXELS)),
@@ -107,7 +107,7 @@ impl ItemFlags {
             sign: self.mesh.sign.into(),
             wishes: self.weld.wishes(),
         };
-        ItemWishes { unit: self.unit(), options }
+        ItemSettings { unit: self.unit(), options }
     }
 
     /// Returns the limits of an item's process.
@@ -116,7 +116,7 @@ impl ItemFlags {
     }
 
     /// Makes the recipe of the flags.
-    pub(super) fn recipe(&self, wishes: &ItemWishes, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
+    pub(super) fn recipe(&self, wishes: &ItemSettings, flags: &[String], sources: Vec<String>) -> Result<Recipe> {
         Ok(Recipe {
             format: DATASET_FORMAT.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -29,7 +29,7 @@ use sdf_bake::memory_budget;
 /// Heading of the help for the laws of the contact.
 const MODEL: &str = "Model";
 /// Greatest number of iterations under effects that depend on the contact's own force.
-const SETTLING: usize = 30;
+const MAX_ITERATIONS: usize = 30;
 /// Half width of the band of a tool from a file [voxels]; a tool with inner walls can be pressed no deeper.
 const TOOL_BAND: f64 = 8.0;
 
@@ -132,35 +132,35 @@ pub(super) fn run(args: &PressArgs, console: &Console) -> Result<()> {
     let part = args.part(voxel)?;
 
     let place = Place::over(&part, args.at, &tool)?;
-    let held = place.press(&part, &tool, &model, args.goal.goal())?;
-    let contact = &held.contact;
-    console.step("contact", describe(&held));
+    let pressed = place.press(&part, &tool, &model, args.goal.goal())?;
+    let contact = &pressed.contact;
+    console.step("contact", describe(&pressed));
     let point = |v: DVec3| (v * 1e3).to_array();
     console.answer(&PressAnswer {
         force_n: contact.force,
-        depth_mm: held.depth * 1e3,
+        depth_mm: pressed.depth * 1e3,
         area_mm2: contact.area * 1e6,
-        patch_length_mm: held.patch.0 * 1e3,
-        patch_width_mm: held.patch.1 * 1e3,
+        patch_length_mm: pressed.patch.0 * 1e3,
+        patch_width_mm: pressed.patch.1 * 1e3,
         pressure_max_pa: contact.pressure_max,
         pressure_mean_pa: contact.pressure_mean(),
         moment_nm: contact.moment.to_array(),
-        position_mm: point(held.position),
+        position_mm: point(pressed.position),
         voxel_mm: part.voxel * 1e3,
     })
 }
 
-fn describe(held: &Held) -> String {
-    let contact = &held.contact;
+fn describe(pressed: &PressedTool) -> String {
+    let contact = &pressed.contact;
     format!(
         "{:.4} N at {:.5} mm below the first touch\npatch of {:.4} mm², {:.3} mm long and {:.3} mm wide\n\
          pressure {:.4e} Pa at most, {:.4e} Pa in the mean\n\
          moment {:.3e}, {:.3e}, {:.3e} N m about the tool's reference point",
         contact.force,
-        held.depth * 1e3,
+        pressed.depth * 1e3,
         contact.area * 1e6,
-        held.patch.0 * 1e3,
-        held.patch.1 * 1e3,
+        pressed.patch.0 * 1e3,
+        pressed.patch.1 * 1e3,
         contact.pressure_max,
         contact.pressure_mean(),
         contact.moment.x,
@@ -188,7 +188,7 @@ enum Goal {
 }
 
 /// A tool held in contact with a part.
-struct Held {
+struct PressedTool {
     contact: Contact,
     /// Length and width of the contact patch [m].
     patch: (f64, f64),
@@ -218,7 +218,7 @@ impl Place {
         Ok(Self { pose, reach: 0.5 * (high.z - low.z) + 4.0 * part.voxel, words })
     }
 
-    fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<Held> {
+    fn press(&self, part: &BrickGrid, tool: &Tool, model: &CompiledModel, goal: Goal) -> Result<PressedTool> {
         let mut states = States::new(model, TOOL_CELLS);
         let mut physics = Physics::new(model, &mut states, sim::PassSettings::default().coating);
         let setpoint = if let Goal::Force(force) = goal { force } else { 0.0 };
@@ -246,7 +246,7 @@ impl Place {
             Ok((travel, press.contact(travel, &mut physics)?))
         };
         let (mut travel, mut contact) = settle()?;
-        for _ in 0..SETTLING {
+        for _ in 0..MAX_ITERATIONS {
             if (contact.force - last).abs() <= 1e-9 * contact.force {
                 break;
             }
@@ -263,7 +263,7 @@ impl Place {
             );
         }
         let patch = press.patch(travel, &physics)?;
-        Ok(Held { contact, patch, depth: touch - travel, position: self.pose.lifted(travel).centre })
+        Ok(PressedTool { contact, patch, depth: touch - travel, position: self.pose.lifted(travel).centre })
     }
 }
 

@@ -17,8 +17,8 @@ use super::sensor_flags::SensorFlags;
 use super::values::whole;
 use crate::asset::{AssetFields, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
-use crate::photo::{Darkroom, PHOTOGRAPHS, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
-use crate::picture::{DRAWING, Horizon, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
+use crate::photo::{PHOTOGRAPHS, PhotoBackend, PictureRecord, RENDER_FILE, RenderRecord, to_animated_png, write_frame};
+use crate::picture::{CameraRange, DRAWING, SAMPLES_PER_SIDE, overview, three_quarter_view, to_png};
 use crate::wrong_use;
 use files::folder::{StagedFile, StagedFolder};
 use study::snapshot::kept_fields;
@@ -161,7 +161,7 @@ fn photograph(args: &RenderArgs, console: &Console) -> Result<usize> {
     let camera = photo.standing(&first, weld.as_ref(), &raster)?;
     let shots = photo.turns(&first, photo.scene(&first, weld.as_ref())?, camera)?;
     let device = photo.backend.device(None, console)?;
-    let darkroom = Darkroom::new(device.as_ref())?;
+    let darkroom = PhotoBackend::new(device.as_ref())?;
     album.take(&darkroom, &first, &shots)?;
     for state in states.iter().skip(1) {
         let part = read_field(state)?;
@@ -197,7 +197,7 @@ impl<'a> Album<'a> {
         ("picture.png".to_owned(), Some("buffers.exr".to_owned()))
     }
 
-    fn take(&mut self, darkroom: &Darkroom, part: &BrickGrid, shots: &[(Scene, Camera)]) -> Result<()> {
+    fn take(&mut self, darkroom: &PhotoBackend, part: &BrickGrid, shots: &[(Scene, Camera)]) -> Result<()> {
         let raster = self.raster;
         darkroom.photograph(part, shots, &raster, &mut |i, frame| {
             let (picture, buffers) = self.names();
@@ -261,7 +261,7 @@ impl PhotoFlags {
     }
 
     fn standing(&self, part: &BrickGrid, weld: Option<&WeldTruth>, raster: &Raster) -> Result<Camera> {
-        let horizon = if self.table { Horizon::Above } else { Horizon::Either };
+        let horizon = if self.table { CameraRange::Above } else { CameraRange::Either };
         let (azimuth, elevation) = match self.camera {
             Some([azimuth, elevation]) => (azimuth.to_radians(), elevation.to_radians()),
             None => three_quarter_view(part, weld, horizon),

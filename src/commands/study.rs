@@ -13,7 +13,7 @@ use super::values::whole;
 use crate::console::Console;
 use crate::wrong_use;
 use files::folder::StagedFolder;
-use files::output::{FolderKind, Out};
+use files::output::{FolderKind, OutputPath};
 use report::study::page;
 use study::{
     Action, Data, EXPECTED_SIMULATIONS, Measurements, Progress, STUDY_FILE, StudyRecord, StudyState, inputs_sha256,
@@ -57,7 +57,7 @@ pub(super) fn run(args: &StudyArgs, console: &Console) -> Result<()> {
     let out = &args.out.out;
     let goes_on = (args.step || args.resume) && !args.out.force && out.join(STUDY_FILE).is_file();
     let folder = StagedFolder::new(
-        &Out { force: args.out.force || goes_on, ..args.out.beside(&args.model.inputs(&args.campaign)) },
+        &OutputPath { force: args.out.force || goes_on, ..args.out.beside(&args.model.inputs(&args.campaign)) },
         &STUDY,
     )?;
     let library = args.model.own.library()?;
@@ -116,7 +116,7 @@ pub(super) fn advance(
     while let Some(next) = course.record.next {
         let started = Instant::now();
         let progress = console.progress(next.word());
-        let done = course.step(&|what, done, all| progress.tell(what, done, all))?;
+        let done = course.step(&|what, done, all| progress.report(what, done, all))?;
         drop(progress);
         if let Some(done) = done {
             let seconds = started.elapsed().as_secs_f64();

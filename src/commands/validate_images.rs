@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::dataset_images::{LimitFlags, make};
-use super::validate_set::{conclude, tell};
+use super::validate_set::{conclude, report_items};
 use crate::console::Console;
 use crate::images::ImageSet;
 use crate::images::check::{check, expected, remove_broken};
@@ -28,5 +28,5 @@ pub(super) fn run(folder: &Path, repair: bool, jobs: usize, console: &Console) -
 
 fn look(set: &ImageSet, jobs: usize, console: &Console) -> Result<SetValidation> {
     let things = expected(set)?.iter().map(Vec::len).sum();
-    tell(things, console, |done| check(set, jobs, done))
+    report_items(things, console, |done| check(set, jobs, done))
 }

@@ -49,11 +49,11 @@ pub(super) fn conclude(folder: &Path, repair: bool, found: &SetValidation, conso
 }
 
 fn look(dataset: &Dataset, jobs: usize, console: &Console) -> Result<SetValidation> {
-    tell(dataset.ids()?.len(), console, |done| check(dataset, jobs, done))
+    report_items(dataset.ids()?.len(), console, |done| check(dataset, jobs, done))
 }
 
 /// Reports each item in which `check` finds faults.
-pub(super) fn tell(
+pub(super) fn report_items(
     items: usize,
     console: &Console,
     check: impl FnOnce(&mut dyn FnMut(&str, &[String]) -> Result<()>) -> Result<SetValidation>,

@@ -14,7 +14,7 @@ use super::values::{number, positive, range, whole};
 use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::part::Part;
-use crate::workpiece::{WeldWishes, WeldingOptions, weld_part};
+use crate::workpiece::{WeldSettings, WeldingOptions, weld_part};
 use files::folder::StagedFolder;
 
 /// Heading of the help for the weld's curve.
@@ -213,8 +213,8 @@ enum AccessToolFlag {
 }
 
 impl WeldFlags {
-    pub(super) fn wishes(&self) -> WeldWishes {
-        WeldWishes {
+    pub(super) fn wishes(&self) -> WeldSettings {
+        WeldSettings {
             difficulty: match self.difficulty {
                 DifficultyFlag::Easy => Difficulty::Easy,
                 DifficultyFlag::Medium => Difficulty::Medium,

@@ -5,14 +5,14 @@ use std::fmt::Write;
 
 use super::Recipe;
 use super::difficulty::Difficulty;
-use super::row::Seen;
+use super::row::RowFigures;
 use crate::store::Failure;
 
 /// A row of the table of statistics: its name, and a function that reads its value.
-type Figure = (&'static str, fn(&Seen) -> f64);
+type Figure = (&'static str, fn(&RowFigures) -> f64);
 
 /// Writes the README in Markdown.
-pub(super) fn write(recipe: &Recipe, items: &[Seen], failures: &[Failure]) -> String {
+pub(super) fn write(recipe: &Recipe, items: &[RowFigures], failures: &[Failure]) -> String {
     let parts: BTreeSet<&str> = items.iter().map(|item| item.row.source_sha256.as_str()).collect();
     let mut text = format!(
         "# Welded workpieces\n\n{} items from {} parts, {} failures. Made by RoboFin {} with seed {}.\n\n\
@@ -51,7 +51,7 @@ fn counted<T: Ord>(values: impl Iterator<Item = T>) -> BTreeMap<T, usize> {
     counts
 }
 
-fn contents(items: &[Seen]) -> String {
+fn contents(items: &[RowFigures]) -> String {
     let mut text = "\n## Contents\n\n| split | items |\n|---|---|\n".to_owned();
     let splits = counted(items.iter().map(|item| item.row.split.as_str()));
     for split in ["train", "validation", "test"] {
@@ -65,7 +65,7 @@ fn contents(items: &[Seen]) -> String {
     text + "\nDifficulty is measured: " + &Difficulty::rule() + ".\n"
 }
 
-fn figures(items: &[Seen]) -> String {
+fn figures(items: &[RowFigures]) -> String {
     let mut text = "\n| measured | least | median | most |\n|---|---|---|---|\n".to_owned();
     let figures: [Figure; 3] = [
         ("length of the welds [mm]", |item| item.length_mm),

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 
-use super::row::Seen;
+use super::row::RowFigures;
 use super::table::Table;
-use super::{Dataset, Recipe, card, contact, croissant};
+use super::{Dataset, Recipe, card, contact_sheet, croissant};
 use crate::asset::FileRecord;
 use crate::store::Failure;
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
@@ -22,7 +22,8 @@ impl Described for Recipe {
     const ITEMS: &'static str = "items";
 
     fn describe(dataset: &Dataset) -> Result<Catalogue> {
-        let items = dataset.ids()?.iter().map(|id| Seen::read(dataset, id)).collect::<Result<Vec<Seen>>>()?;
+        let items =
+            dataset.ids()?.iter().map(|id| RowFigures::read(dataset, id)).collect::<Result<Vec<RowFigures>>>()?;
         let failures: Vec<Failure> = dataset.failures()?;
         let table = Table::of(items.iter().map(|item| &item.row))?;
         let mut files = BTreeMap::from([
@@ -30,7 +31,7 @@ impl Described for Recipe {
             (TABLE_FILE, table.csv()?),
             (FAILURES_FILE, lines(failures.iter())?),
             (CARD_FILE, card::write(&dataset.recipe, &items, &failures).into_bytes()),
-            (CONTACT_FILE, contact::draw(dataset, &items)?),
+            (CONTACT_FILE, contact_sheet::draw(dataset, &items)?),
         ]);
         let records = files.iter().map(|(&name, bytes)| (name, FileRecord::of_bytes(bytes))).collect();
         files.insert(CROISSANT_FILE, croissant::write(&dataset.recipe, &table, &records)?);

@@ -19,7 +19,7 @@ use crate::in_full;
 use crate::store::check::{Broken, SetValidation};
 use crate::store::{self, remove};
 use crate::validate::validate;
-use files::file_lock::Patience;
+use files::file_lock::LockWait;
 
 /// Checks all items with `jobs` threads, then the catalogue; calls `done` with each item's faults as they arrive.
 ///
@@ -81,7 +81,7 @@ pub fn plan_repair(dataset: &Dataset, broken: &[Broken], places: &[PathBuf], uni
     };
     let items = broken.iter().map(item).collect::<Result<Vec<Item>>>()?;
     for Item { id, .. } in &items {
-        let _claim = dataset.claim(id, Patience::Endless)?;
+        let _claim = dataset.claim(id, LockWait::Endless)?;
         let folder = dataset.asset_folder(id);
         // The manifest goes first, so that an interrupted removal leaves no item that seems complete.
         let _ = fs::remove_file(folder.join(MANIFEST_FILE));

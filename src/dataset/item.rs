@@ -13,7 +13,7 @@ use crate::part::Part;
 use crate::store::process::Ending;
 use crate::store::{Fault, Stage, remove};
 use crate::workpiece::{WeldingOptions, weld_part};
-use files::file_lock::Patience;
+use files::file_lock::LockWait;
 use files::folder::StagedFolder;
 
 /// Samples along each side of a picture's pixel; more would take most of an item's time.
@@ -21,7 +21,7 @@ const SAMPLES_PER_SIDE: usize = 1;
 
 /// Settings shared by all items of a set.
 #[derive(Clone, Debug)]
-pub struct ItemWishes {
+pub struct ItemSettings {
     /// Unit of the files' coordinates.
     pub unit: UnitChoice,
     /// Options of welding; their seed is that of the set.
@@ -29,15 +29,15 @@ pub struct ItemWishes {
 }
 
 /// Makes the item `id` of a source, or returns the reason of the failure; the folder is complete or does not exist.
-pub fn make(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Ending {
+pub fn make(dataset: &Dataset, source: &Path, id: &str, settings: &ItemSettings) -> Ending {
     let there = || dataset.holds(id).then_some(());
-    Ending::of(id, dataset.fill(id, Patience::None, there, || make_again(dataset, source, id, wishes)))
+    Ending::of(id, dataset.fill(id, LockWait::None, there, || make_again(dataset, source, id, settings)))
 }
 
-fn make_again(dataset: &Dataset, source: &Path, id: &str, wishes: &ItemWishes) -> Result<(), Fault> {
+fn make_again(dataset: &Dataset, source: &Path, id: &str, settings: &ItemSettings) -> Result<(), Fault> {
     let folder = place(dataset, id)?;
-    let part = load(source, id, wishes.unit).map_err(|error| Stage::Part.fault(error))?;
-    let options = WeldingOptions { seed: dataset.recipe.seed_of(id), ..wishes.options.clone() };
+    let part = load(source, id, settings.unit).map_err(|error| Stage::Part.fault(error))?;
+    let options = WeldingOptions { seed: dataset.recipe.seed_of(id), ..settings.options.clone() };
     let console = Console::silent();
     let workpiece = weld_part(part, &options, &console).map_err(|error| Stage::Weld.fault(error))?;
     let extras = Extras { usd: UsdMode::Off, preview: dataset.recipe.preview, samples_per_side: SAMPLES_PER_SIDE };

@@ -16,7 +16,7 @@
 mod card;
 mod catalogue;
 pub mod check;
-mod contact;
+mod contact_sheet;
 mod croissant;
 mod difficulty;
 pub mod item;

@@ -45,7 +45,7 @@ pub struct Row {
 }
 
 /// A row with further figures for the README and the contact sheet.
-pub(super) struct Seen {
+pub(super) struct RowFigures {
     pub(super) row: Row,
     /// Least exposure of its welds.
     pub(super) exposure: f64,
@@ -64,7 +64,7 @@ pub(super) fn split_of(key: &str) -> &'static str {
     }
 }
 
-impl Seen {
+impl RowFigures {
     /// Reads an item from its folder.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::coco::{self, Annotation};
 use super::plan::{Planned, Split};
 use super::record::{ImageRecord, file_path};
-use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, sheet};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, contact_sheet};
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
 
 /// Name of the file with one line of JSON for each image.
@@ -38,7 +38,7 @@ impl Described for ImageRecipe {
             (METADATA_FILE, lines(records.iter())?),
             (FAILURES_FILE, lines(failures.iter())?),
             (CARD_FILE, card::write(&set.recipe, &records, &failures).into_bytes()),
-            (CONTACT_FILE, sheet::draw(set, &records)?),
+            (CONTACT_FILE, contact_sheet::draw(set, &records)?),
         ]);
         for (folder, names) in ANNOTATIONS {
             for (split, name) in Split::ALL.into_iter().zip(names) {

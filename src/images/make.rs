@@ -15,7 +15,7 @@ use crate::store::limits::Limits;
 use crate::store::process::Ending;
 use crate::store::run::SetItem;
 use crate::store::{Failure, Stage, command_line};
-use files::file_lock::Patience;
+use files::file_lock::LockWait;
 
 /// Verb of the process that does one task.
 pub const TASK_VERB: &str = "dataset-image";
@@ -142,7 +142,7 @@ pub fn make(set: &ImageSet, id: &str) -> Ending {
         Task::Image(image) => make_image(set, image),
     };
     let there = || task.is_there(set).then_some(());
-    Ending::of(id, set.fill(id, Patience::None, there, || make().map_err(|error| task.stage().fault(error))))
+    Ending::of(id, set.fill(id, LockWait::None, there, || make().map_err(|error| task.stage().fault(error))))
 }
 
 fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {

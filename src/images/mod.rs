@@ -21,6 +21,7 @@ mod card;
 mod catalogue;
 pub mod check;
 pub mod coco;
+mod contact_sheet;
 pub mod make;
 mod order;
 pub mod plan;
@@ -28,7 +29,6 @@ pub mod recipe;
 pub mod record;
 pub mod sanding;
 pub mod scene;
-mod sheet;
 pub mod shot;
 pub mod workpiece;
 

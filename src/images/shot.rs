@@ -31,7 +31,7 @@ pub struct Shot {
 
 /// Coating on a photographed part.
 #[derive(Clone, Copy)]
-enum Coat {
+enum CoatingState {
     /// Coating left by the dose.
     AsDosed,
     /// Full coating.
@@ -44,7 +44,7 @@ enum Coat {
 pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
     let camera = camera(scene);
     let stage = stage(part, scene);
-    let others = [Coat::Whole, Coat::Gone].map(|coat| appearance(&scene.material, coat));
+    let others = [CoatingState::Whole, CoatingState::Gone].map(|coat| appearance(&scene.material, coat));
     let raster = Raster { width, height, samples_per_side: 1 };
     let (frame, in_others) = stage.photograph_as(&others, &camera, &raster);
     let exposure = exposure(&frame, scene.sensor.aim);
@@ -97,7 +97,7 @@ fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
     Stage {
         field: Field::new(part),
         placement: Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m },
-        appearance: appearance(&scene.material, Coat::AsDosed),
+        appearance: appearance(&scene.material, CoatingState::AsDosed),
         table: Some(table(scene)),
         lights: Lights { keys: keys.collect(), environment },
     }
@@ -112,15 +112,15 @@ fn table(scene: &Scene) -> Table {
     Table { height: scene.placement.table_m, material }
 }
 
-fn appearance(material: &MaterialDraw, coat: Coat) -> Appearance {
+fn appearance(material: &MaterialDraw, coat: CoatingState) -> Appearance {
     let paint =
         Material { colour: material.coating.as_vec3(), roughness: material.coating_roughness as f32, metallic: 0.0 };
     let metal =
         Material { colour: material.metal.as_vec3(), roughness: material.metal_roughness as f32, metallic: 1.0 };
     let (coating, ground) = match coat {
-        Coat::AsDosed => (paint, metal),
-        Coat::Whole => (paint, paint),
-        Coat::Gone => (metal, metal),
+        CoatingState::AsDosed => (paint, metal),
+        CoatingState::Whole => (paint, paint),
+        CoatingState::Gone => (metal, metal),
     };
     Appearance { coating: Some(coating), ground, ..Appearance::default() }
 }

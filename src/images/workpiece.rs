@@ -13,7 +13,7 @@ use super::{FIELDS_FOLDER, ImageSet};
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest};
 use crate::console::Console;
 use crate::part::{Part, sha256};
-use crate::workpiece::{DEFAULT_BAND, Fineness, WeldWishes, WeldingOptions, weld_part};
+use crate::workpiece::{DEFAULT_BAND, Fineness, WeldSettings, WeldingOptions, weld_part};
 use crate::wrong_use;
 use files::folder::write_file;
 
@@ -101,7 +101,7 @@ impl Coated {
                     fineness: Fineness::Voxel(1e-3 * self.voxel_mm),
                     band_voxels: DEFAULT_BAND,
                     sign: SignChoice::Auto,
-                    wishes: WeldWishes::default(),
+                    wishes: WeldSettings::default(),
                 };
                 Ok(weld_part(Part::bundled()?, &options, &Console::silent())?.welded)
             }

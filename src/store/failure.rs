@@ -6,7 +6,7 @@ use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
 use super::{Marker, Store, names, remove, remove_stale};
-use files::file_lock::Patience;
+use files::file_lock::LockWait;
 use files::folder::write_file;
 use files::json_file::read_json;
 
@@ -111,7 +111,7 @@ impl<M: Marker> Store<M> {
     /// # Errors
     /// If it cannot be written.
     pub fn keep_failure(&self, failure: &Failure) -> Result<()> {
-        let _claim = self.claim(&failure.id, Patience::Endless)?;
+        let _claim = self.claim(&failure.id, LockWait::Endless)?;
         remove_stale(&self.folder().join(FAILURES_FOLDER), &failure.id)?;
         let text = serde_json::to_string_pretty(failure)? + "\n";
         Ok(write_file(&self.failure_path(&failure.id), text.as_bytes())?)

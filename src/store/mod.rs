@@ -26,7 +26,7 @@ use anyhow::{Context, Result, ensure};
 use sha2::{Digest, Sha256};
 
 use crate::wrong_use;
-use files::file_lock::{FileLock, Patience};
+use files::file_lock::{FileLock, LockWait};
 use files::folder::{check_writable, write_file};
 use files::input::quoted_near;
 use files::job_queue::take_turns;
@@ -63,7 +63,7 @@ pub struct Store<M> {
 
 /// An item of a store, found or made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filled<T> {
+pub enum StoredItem<T> {
     /// It existed already.
     There(T),
     /// It was made now.
@@ -100,7 +100,7 @@ impl<M: Marker> Store<M> {
         }
         let store = Self::open(folder)?;
         check_writable(folder)?;
-        store.begun_alike(&recipe)
+        store.check_recipe(&recipe)
     }
 
     /// Marks an empty or new folder.
@@ -114,7 +114,7 @@ impl<M: Marker> Store<M> {
         remove_stale(folder, M::FILE)?;
         // Another process may have marked it first, with another recipe.
         if folder.join(M::FILE).exists() {
-            return Self::open(folder)?.begun_alike(&store.recipe);
+            return Self::open(folder)?.check_recipe(&store.recipe);
         }
         write_file(&folder.join(M::FILE), store.recipe.text()?.as_bytes())?;
         Ok(store)
@@ -137,7 +137,7 @@ impl<M: Marker> Store<M> {
         Ok(Self { folder: folder.to_owned(), recipe })
     }
 
-    fn begun_alike(self, recipe: &M) -> Result<Self> {
+    fn check_recipe(self, recipe: &M) -> Result<Self> {
         match self.recipe.difference(recipe) {
             None => Ok(self),
             Some(difference) => Err(wrong_use(format!(
@@ -152,12 +152,12 @@ impl<M: Marker> Store<M> {
         &self.folder
     }
 
-    /// Claims the right to write an item; `None` if another process has it and `patience` does not allow waiting.
+    /// Claims the right to write an item; `None` if another process has it and `wait` does not allow waiting.
     ///
     /// # Errors
     /// If the file system refuses.
-    pub fn claim(&self, id: &str, patience: Patience) -> Result<Option<FileLock>> {
-        Ok(FileLock::take(&self.folder.join(M::FOLDERS[0]).join(format!(".{id}.lock")), patience)?)
+    pub fn claim(&self, id: &str, wait: LockWait) -> Result<Option<FileLock>> {
+        Ok(FileLock::take(&self.folder.join(M::FOLDERS[0]).join(format!(".{id}.lock")), wait)?)
     }
 
     /// Claims the right to write the store's own files; waits for another run that has it.
@@ -165,10 +165,10 @@ impl<M: Marker> Store<M> {
     /// # Errors
     /// If the file system refuses.
     pub fn claim_catalogue(&self) -> Result<Option<FileLock>> {
-        Ok(FileLock::take(&self.folder.join(format!(".{}.lock", stem::<M>())), Patience::Endless)?)
+        Ok(FileLock::take(&self.folder.join(format!(".{}.lock", stem::<M>())), LockWait::Endless)?)
     }
 
-    /// Finds an item, or makes it under its claim; `None` if another process is making it and `patience` does not allow
+    /// Finds an item, or makes it under its claim; `None` if another process is making it and `wait` does not allow
     /// waiting.
     ///
     /// # Errors
@@ -176,22 +176,22 @@ impl<M: Marker> Store<M> {
     pub fn fill<T, E: From<anyhow::Error>>(
         &self,
         id: &str,
-        patience: Patience,
+        wait: LockWait,
         find: impl Fn() -> Option<T>,
         make: impl FnOnce() -> Result<T, E>,
-    ) -> Result<Option<Filled<T>>, E> {
+    ) -> Result<Option<StoredItem<T>>, E> {
         if let Some(there) = find() {
-            return Ok(Some(Filled::There(there)));
+            return Ok(Some(StoredItem::There(there)));
         }
-        let Some(_claim) = self.claim(id, patience)? else { return Ok(None) };
+        let Some(_claim) = self.claim(id, wait)? else { return Ok(None) };
         // The previous holder of the claim may have finished it.
         if let Some(there) = find() {
-            return Ok(Some(Filled::There(there)));
+            return Ok(Some(StoredItem::There(there)));
         }
         for folder in M::FOLDERS {
             remove_stale(&self.folder.join(folder), id)?;
         }
-        Ok(Some(Filled::Made(make()?)))
+        Ok(Some(StoredItem::Made(make()?)))
     }
 
     /// Does `work` for each of `items` with `jobs` threads, then removes leftovers of killed runs; `done` gets index
@@ -203,10 +203,10 @@ impl<M: Marker> Store<M> {
         &self,
         items: &[I],
         jobs: usize,
-        work: impl Fn(&I, Patience) -> Option<T> + Sync,
+        work: impl Fn(&I, LockWait) -> Option<T> + Sync,
         done: impl FnMut(usize, T) -> Result<()>,
     ) -> Result<()> {
-        take_turns(items.len(), jobs, |turn, patience| work(&items[turn], patience), done)?;
+        take_turns(items.len(), jobs, |turn, wait| work(&items[turn], wait), done)?;
         self.sweep()
     }
 
@@ -220,7 +220,7 @@ impl<M: Marker> Store<M> {
             for name in names(&place)?.iter().filter(|name| name.starts_with('.')) {
                 let id = name[1..].split('.').next().unwrap_or_default();
                 // Taking and releasing the claim also removes the lock file.
-                if let Some(_claim) = self.claim(id, Patience::None)? {
+                if let Some(_claim) = self.claim(id, LockWait::None)? {
                     remove_stale(&place, id)?;
                 }
             }
@@ -346,17 +346,17 @@ mod tests {
         left.iter().for_each(|name| fs::write(at(name), "half").unwrap());
         let find = |id: &str| at(id).is_file().then_some(());
         let fill = |id: &str| {
-            store.fill(id, Patience::None, || find(id), || -> Result<()> { Ok(fs::write(at(id), "whole")?) })
+            store.fill(id, LockWait::None, || find(id), || -> Result<()> { Ok(fs::write(at(id), "whole")?) })
         };
-        assert_eq!(fill("a").unwrap(), Some(Filled::Made(())));
+        assert_eq!(fill("a").unwrap(), Some(StoredItem::Made(())));
         assert!(!at(left[0]).exists());
-        assert_eq!(fill("a").unwrap(), Some(Filled::There(())));
-        let held = store.claim("b", Patience::None).unwrap().expect("nobody else wants it");
+        assert_eq!(fill("a").unwrap(), Some(StoredItem::There(())));
+        let held = store.claim("b", LockWait::None).unwrap().expect("nobody else wants it");
         assert_eq!(fill("b").unwrap(), None, "someone else makes it");
         store.work_through(&[()], 1, |(), _| Some(()), |_, ()| Ok(())).unwrap();
         assert!(at(left[1]).exists() && !at(left[2]).exists(), "what is being made is left alone");
         drop(held);
-        assert_eq!(fill("b").unwrap(), Some(Filled::Made(())));
+        assert_eq!(fill("b").unwrap(), Some(StoredItem::Made(())));
         assert!(!at(left[1]).exists());
         assert_eq!(names(place.path()).unwrap(), ["a", "b", "failures", "words.json"]);
     }

@@ -7,7 +7,7 @@ use files::program::Program;
 use serde::{Deserialize, Serialize};
 
 use super::limits::{Limits, TIME_IS_UP, Usage};
-use super::{Fault, Filled, Stage};
+use super::{Fault, Stage, StoredItem};
 use crate::in_full;
 
 /// Exit code of a Rust program that panicked.
@@ -36,11 +36,11 @@ pub enum Ending {
 
 impl Ending {
     /// Converts the result for the item `id` into an outcome.
-    pub fn of(id: &str, filled: Result<Option<Filled<()>>, Fault>) -> Self {
+    pub fn of(id: &str, filled: Result<Option<StoredItem<()>>, Fault>) -> Self {
         match filled {
             Ok(None) => Self::Busy,
-            Ok(Some(Filled::There(()))) => Self::There,
-            Ok(Some(Filled::Made(()))) => Self::Made,
+            Ok(Some(StoredItem::There(()))) => Self::There,
+            Ok(Some(StoredItem::Made(()))) => Self::Made,
             Err(Fault { stage, error }) => {
                 // Names of staged files contain the process id; it is removed, so that reasons are the same in every
                 // run.

@@ -9,7 +9,7 @@ use anyhow::Result;
 use super::limits::{Limits, Usage};
 use super::process::{Answer, Ending, run_apart};
 use super::{Failure, Marker, Stage, Store};
-use files::file_lock::Patience;
+use files::file_lock::LockWait;
 
 /// An item of a set of type `M`.
 pub trait SetItem<M>: Sync {
@@ -65,16 +65,16 @@ impl<M: Marker> Run<'_, M> {
     /// # Errors
     /// If the set cannot be written, or `done` fails; an item that fails is an outcome.
     pub fn run<I: SetItem<M>>(&self, items: &[I], mut done: impl FnMut(&Outcome) -> Result<()>) -> Result<()> {
-        let work = |item: &I, patience| self.outcome(item, patience).transpose();
+        let work = |item: &I, wait| self.outcome(item, wait).transpose();
         self.set.work_through(items, self.jobs, work, |_, outcome| done(&outcome?))
     }
 
-    /// Finds or makes one item; `None` if another process is making it and `patience` does not allow waiting.
-    fn outcome(&self, item: &impl SetItem<M>, patience: Patience) -> Result<Option<Outcome>> {
+    /// Finds or makes one item; `None` if another process is making it and `wait` does not allow waiting.
+    fn outcome(&self, item: &impl SetItem<M>, wait: LockWait) -> Result<Option<Outcome>> {
         let started = Instant::now();
-        if patience == Patience::Endless {
+        if wait == LockWait::Endless {
             // The claim is free when the other process is done.
-            drop(self.set.claim(item.id(), Patience::Endless)?);
+            drop(self.set.claim(item.id(), LockWait::Endless)?);
         }
         let Answer { ending, usage } = self.answer(item)?;
         match &ending {

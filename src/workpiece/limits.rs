@@ -5,13 +5,13 @@ use sdf_bake::{BLEND_REACH, BakeOptions};
 use weldgen::dials::{Dial, HEIGHT, LENGTH, RIPPLE_PITCH, TOE_RADIUS, WEAVE_PITCH, WIDTH};
 use weldgen::{BeadProfile, DialFault, Placement, Weld, WeldRequest};
 
-use super::WeldWishes;
+use super::WeldSettings;
 
 /// Diameter of the thinnest welding wire [m]; no bead is narrower.
 const THINNEST_WIRE: f64 = 0.6e-3;
 
 /// Refuses values that are impossible for a part of any shape, naming their flags.
-pub(super) fn check(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
+pub(super) fn check(wishes: &WeldSettings, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
     check_sizes(wishes, baking.voxel)?;
     request.check().map_err(|fault| anyhow!("{}{fault}", flag_of(&fault)))?;
     check_toe_radius(wishes, request, baking)
@@ -23,7 +23,7 @@ fn flag_of(fault: &DialFault) -> String {
 }
 
 /// Refuses sizes far below the voxel, because the ground truth would have them and the field would not.
-fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
+fn check_sizes(wishes: &WeldSettings, voxel: f64) -> Result<()> {
     for (dial, wish, voxels) in [
         (LENGTH, wishes.length.map(|[low, _]| low), 1.0),
         (WIDTH, wishes.width, 1.0),
@@ -47,7 +47,7 @@ fn check_sizes(wishes: &WeldWishes, voxel: f64) -> Result<()> {
 
 /// Checks the round toes of a bead on a face. The angle of a fillet is that of its seam, so a fillet is checked after
 /// its placement.
-fn check_toe_radius(wishes: &WeldWishes, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
+fn check_toe_radius(wishes: &WeldSettings, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
     if matches!(request.placement, Placement::Seam | Placement::Mixed) {
         return Ok(());
     }

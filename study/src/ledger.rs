@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use effects::{Library, Model};
 use files::FileError;
 use files::WrongUse;
-use files::file_lock::{FileLock, Patience};
+use files::file_lock::{FileLock, LockWait};
 use files::folder::write_file;
 use files::input::{self, MOST_TEXT_BYTES, quoted};
 use files::json_file::parse_json;
@@ -102,7 +102,7 @@ impl Ledger {
             return Err(refused(format!("{}: holds no {LEDGER_FILE}; another --ledger is needed", folder.display())));
         }
         fs::create_dir_all(folder).map_err(FileError::at(folder, "cannot be made"))?;
-        let Some(lock) = FileLock::take(&folder.join(".ledger.lock"), Patience::None)? else {
+        let Some(lock) = FileLock::take(&folder.join(".ledger.lock"), LockWait::None)? else {
             return Err(refused(format!("{}: another robofin is writing this ledger", folder.display())));
         };
         let lines = if file.is_file() { read_lines(&file)? } else { Vec::new() };

@@ -7,7 +7,7 @@ use lab::Simulated;
 use lab::criteria::PLATEAU_REMOVAL_SIGMAS;
 use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
 use trials::measure::{
-    Across, CLEARANCE, Freedom, Plateau, Registration, despiked, plateau_pixels, register, untouched,
+    CLEARANCE, DegreesOfFreedom, Plateau, Registration, SectionAxis, despiked, plateau_pixels, register, untouched,
 };
 use trials::trial::Pass;
 
@@ -111,7 +111,7 @@ impl<'a> Ground<'a> {
 
     /// The plateau that a pass left.
     pub fn plateau(&self, before: &HeightMap, pass: &Pass, noise: f64) -> Plateau {
-        let across = if pass.direction.x.abs() >= pass.direction.y.abs() { Across::Y } else { Across::X };
+        let across = if pass.direction.x.abs() >= pass.direction.y.abs() { SectionAxis::Y } else { SectionAxis::X };
         plateau_pixels(self.seen.pixels, &self.removed(before), PLATEAU_REMOVAL_SIGMAS * noise, across)
     }
 
@@ -190,7 +190,7 @@ pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registrati
         let alone = untouched(&trial.scans.before, &pass.tool_path(&trial.tool), &trial.tool, CLEARANCE);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
     }
-    let found = register(&data.measured, &before, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let found = register(&data.measured, &before, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
     let levelled = found.levelled(&data.measured);
     Some((found, levelled))
 }

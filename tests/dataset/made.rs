@@ -8,7 +8,7 @@ use files::folder::StagedFolder;
 use robofin::asset::{self, Extras, FileRecord, Manifest, UsdMode};
 use robofin::console::Console;
 use robofin::part::{Part, sha256};
-use robofin::workpiece::{Fineness, WeldWishes, WeldingOptions, weld_part};
+use robofin::workpiece::{Fineness, WeldSettings, WeldingOptions, weld_part};
 use sdf_bake::SignChoice;
 use sdf_bake::read::UnitChoice;
 use serde_json::Value;
@@ -95,7 +95,7 @@ fn a_item_is_what_weld_makes_of_its_part_and_seed() {
         fineness: Fineness::Diagonal(48),
         band_voxels: 3.0,
         sign: SignChoice::Auto,
-        wishes: WeldWishes::default(),
+        wishes: WeldSettings::default(),
     };
     let (part, silent) = (Part::load(&part.expect("the part"), UnitChoice::Auto).expect("a part"), Console::silent());
     let workpiece = weld_part(part, &options, &silent).expect("a welded part");

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use glam::Vec3;
 use render::to_exr;
-use render::{Frame, Seen};
+use render::{Frame, VisibleObject};
 use serde_json::Value;
 
 use crate::outside::untested;
@@ -28,7 +28,7 @@ fn frame() -> Frame {
         frame.dose[pixel] = 0.07 * at;
         frame.removed[pixel] = 1e-5 * at;
         frame.weld[pixel] = 1000 * pixel as u16;
-        frame.seen[pixel] = [Seen::Background, Seen::Part, Seen::Table][pixel % 3];
+        frame.seen[pixel] = [VisibleObject::Background, VisibleObject::Part, VisibleObject::Table][pixel % 3];
     }
     frame
 }

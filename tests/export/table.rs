@@ -8,7 +8,7 @@ use robofin::asset::{self, EXPORTS, Export, Extras, FileRecord, MANIFEST_FILE, M
 use robofin::console::Console;
 use robofin::part::Part;
 use robofin::validate::validate;
-use robofin::workpiece::{Fineness, WeldWishes, WeldingOptions, Workpiece, weld_part};
+use robofin::workpiece::{Fineness, WeldSettings, WeldingOptions, Workpiece, weld_part};
 use sdf_bake::SignChoice;
 
 use crate::outside::python;
@@ -20,7 +20,7 @@ fn workpiece() -> (Workpiece, WeldingOptions) {
         fineness: Fineness::Diagonal(64),
         band_voxels: 3.0,
         sign: SignChoice::Auto,
-        wishes: WeldWishes::default(),
+        wishes: WeldSettings::default(),
     };
     let part = Part::bundled().expect("the bundled part");
     (weld_part(part, &options, &Console::silent()).expect("a welded part"), options)

@@ -5,7 +5,7 @@ use lab::{CovariateField, ResidualGrid, covariate_study, spline_columns, structu
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use sdf_bake::PixelGrid;
-use trials::measure::{Across, plateau_pixels};
+use trials::measure::{SectionAxis, plateau_pixels};
 
 /// Random number generator.
 struct Chance(Pcg64Mcg);
@@ -145,7 +145,7 @@ fn height_and_slope_of_a_tilted_plateau_come_back() {
     let place = |at: usize| pixels.position(at % 30, at / 30);
     // A track 6 mm wide along x, deepest in the middle, with a crest that rises along x.
     let removed: Vec<f64> = (0..pixels.len()).map(|at| 1e-4 * (1.0 - (place(at).y / 3e-3).powi(2)).max(0.0)).collect();
-    let plateau = plateau_pixels(pixels, &removed, 1e-6, Across::Y);
+    let plateau = plateau_pixels(pixels, &removed, 1e-6, SectionAxis::Y);
     let half = (0..pixels.len()).filter(|&at| place(at).y.abs() <= 3e-3 / 2f64.sqrt()).count();
     assert_eq!(plateau.mean_weights(|_| true).len(), half);
     let height = |at: usize| 20e-6 + 3e-3 * place(at).x + 2e-3 * place(at).y;
@@ -155,5 +155,5 @@ fn height_and_slope_of_a_tilted_plateau_come_back() {
     let mean = sum(plateau.mean_weights(|_| true));
     assert!((mean - height(pixels.at(0, 20)) - 3e-3 * 14.5 * 0.25e-3).abs() < 1e-12, "{mean}");
     assert!(plateau.holds(pixels.at(7, 20)) && !plateau.holds(pixels.at(7, 2)));
-    assert!(plateau_pixels(pixels, &removed, 1e-3, Across::Y).is_empty());
+    assert!(plateau_pixels(pixels, &removed, 1e-3, SectionAxis::Y).is_empty());
 }

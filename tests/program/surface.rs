@@ -11,7 +11,7 @@ use glam::DVec3;
 use sdf_bake::Mesh;
 use sdf_bake::clean::clean;
 use sdf_bake::query::MeshQuery;
-use weldgen::topology::{Across, Topology};
+use weldgen::topology::{EdgeNeighbour, Topology};
 
 use crate::outside::python;
 use crate::program::{bracket, robofin, run};
@@ -34,10 +34,10 @@ fn parts(file: &Path) -> Vec<ReadPart> {
 /// Returns the end points of the mesh's edges sharper than 60°.
 fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
     let across = Topology::new(mesh).across;
-    let of_face = |(face, edges): (usize, &[Across; 3])| {
+    let of_face = |(face, edges): (usize, &[EdgeNeighbour; 3])| {
         let corners = mesh.corners(face);
-        let edge = move |i: usize, across: Across| match across {
-            Across::Face { turn, .. } if turn > 1.05 => Some([corners[i], corners[(i + 1) % 3]]),
+        let edge = move |i: usize, across: EdgeNeighbour| match across {
+            EdgeNeighbour::Face { turn, .. } if turn > 1.05 => Some([corners[i], corners[(i + 1) % 3]]),
             _ => None,
         };
         [0, 1, 2].map(|i| edge(i, edges[i])).into_iter().flatten().collect::<Vec<_>>()

@@ -3,7 +3,7 @@
 use sdf_bake::heights::SlabOptions;
 use sdf_bake::{BrickGrid, HeightMap};
 use sim::Profilometer;
-use trials::measure::{Freedom, NoiseFloor, despiked, noise_floor, register, residual, untouched};
+use trials::measure::{DegreesOfFreedom, NoiseFloor, despiked, noise_floor, register, residual, untouched};
 use trials::trial::{Campaign, PassScan, Trial};
 
 use crate::shared::campaigns;
@@ -54,7 +54,7 @@ fn repeated_scans_give_the_noise_floor_and_untouched_pixels_the_registration() {
             let left = untouched(&before, &pass.tool_path(&trial.tool), &trial.tool, CLEARANCE);
             free.iter_mut().zip(&left).for_each(|(free, left)| *free &= left);
             let after = despiked(after).0;
-            let laid = register(&after, &before, Freedom::Plane, |at| free[at]).unwrap();
+            let laid = register(&after, &before, DegreesOfFreedom::Plane, |at| free[at]).unwrap();
             let rest = residual(&laid.levelled(&after), &before, |at| free[at]);
             let removed = volume(&before, &laid.levelled(&after), &free);
             println!(

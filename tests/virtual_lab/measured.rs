@@ -4,7 +4,7 @@ use effects::{CompiledModel, Model, Process};
 use sdf_bake::HeightMap;
 use trial_simulation::CampaignSimulation;
 use trial_simulation::{SimulatedPass, exposed_share};
-use trials::measure::{Freedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
+use trials::measure::{DegreesOfFreedom, NoiseFloor, centre_and_sigma, despiked, noise_floor, register, untouched};
 use trials::trial::{PassScan, Trial};
 use virtual_lab::{Experiment, Hidden, Instrument, Made, Plan};
 
@@ -29,7 +29,7 @@ fn deviation(trial: &Trial, pass: usize, simulated: &HeightMap) -> f64 {
         let alone = untouched(&trial.scans.before, &before.tool_path(&trial.tool), &trial.tool, 0.1e-3);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
     }
-    let laid = register(&measured, simulated, Freedom::PlaneAndShift, |at| free[at]).unwrap();
+    let laid = register(&measured, simulated, DegreesOfFreedom::PlaneAndShift, |at| free[at]).unwrap();
     let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
     centre_and_sigma(&left).unwrap().1 / (2f64.sqrt() * floor_of(trial).sigma)
 }

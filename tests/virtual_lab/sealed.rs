@@ -34,7 +34,7 @@ const SMALL: [&str; 6] = ["--size", "small", "--plan", "paper", "--seed", "5"];
 
 /// Asserts that no name and no text of a sealed folder reveals the effect, its size or the seed.
 #[track_caller]
-fn tells_nothing(folder: &Path) {
+fn reveals_nothing(folder: &Path) {
     let mut files = 0;
     for entry in walkdir::WalkDir::new(folder) {
         let entry = entry.unwrap();
@@ -50,21 +50,21 @@ fn tells_nothing(folder: &Path) {
 }
 
 #[test]
-fn a_sealed_campaign_opens_with_its_key_only_and_tells_nothing_before() {
+fn a_sealed_campaign_opens_with_its_key_only_and_reveals_nothing_before() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let flags = [&SMALL[..], &["--sealed", "--effect", "tool-tilt:roll_angle=9.125 mrad"]].concat();
-    let sealed = robofin(&flags, &place("riddle"));
+    let sealed = robofin(&flags, &place("example"));
     assert!(sealed.status.success(), "{}", text(&sealed.stderr));
     let plain = robofin(&[&SMALL[..], &["--sealed"]].concat(), &place("other"));
     assert!(plain.status.success());
     let said = text(&sealed.stderr) + &text(&sealed.stdout);
-    assert!(said.contains("riddle.key") && !said.contains("tilt"), "{said}");
-    tells_nothing(&place("riddle"));
+    assert!(said.contains("example.key") && !said.contains("tilt"), "{said}");
+    reveals_nothing(&place("example"));
     let size_of = |name: &str| fs::metadata(place(name).join("sealed.json")).unwrap().len();
-    assert_eq!(size_of("riddle"), size_of("other"));
+    assert_eq!(size_of("example"), size_of("other"));
 
-    let opened = unseal(&place("riddle"), &place("riddle.key"));
+    let opened = unseal(&place("example"), &place("example.key"));
     assert!(opened.status.success(), "{}", text(&opened.stderr));
     let answer: Value = serde_json::from_slice(&opened.stdout).unwrap();
     assert_eq!(answer["measurements_unchanged"], true);
@@ -72,19 +72,19 @@ fn a_sealed_campaign_opens_with_its_key_only_and_tells_nothing_before() {
     assert_eq!(answer["answer"]["effects"][0]["parameters"]["roll_angle"]["values"][0], "9.125");
 
     // The same seed gives the same key, and a wrong key does not open the seal.
-    assert_eq!(fs::read(place("riddle.key")).unwrap(), fs::read(place("other.key")).unwrap());
+    assert_eq!(fs::read(place("example.key")).unwrap(), fs::read(place("other.key")).unwrap());
     fs::write(place("wrong.key"), "0".repeat(64)).unwrap();
-    is_refused(&unseal(&place("riddle"), &place("wrong.key")), 1, &["sealed.json", "does not open it"]);
+    is_refused(&unseal(&place("example"), &place("wrong.key")), 1, &["sealed.json", "does not open it"]);
     fs::write(place("no.key"), "open sesame").unwrap();
-    let refused = unseal(&place("riddle"), &place("no.key"));
+    let refused = unseal(&place("example"), &place("no.key"));
     is_refused(&refused, 2, &["--key", "text of 11 characters", "64 hexadecimal digits"]);
     assert!(!text(&refused.stderr).contains("sesame"), "a key is never repeated");
-    is_refused(&unseal(&place("riddle"), &place("absent.key")), 2, &["absent.key"]);
-    is_refused(&unseal(folder.path(), &place("riddle.key")), 2, &["sealed.json", "trial synth --sealed"]);
+    is_refused(&unseal(&place("example"), &place("absent.key")), 2, &["absent.key"]);
+    is_refused(&unseal(folder.path(), &place("example.key")), 2, &["sealed.json", "trial synth --sealed"]);
 
-    let log = place("riddle").join("trial-1/pass1_log.csv");
+    let log = place("example").join("trial-1/pass1_log.csv");
     fs::write(&log, fs::read_to_string(&log).unwrap().replace("6000", "6001")).unwrap();
-    let opened = unseal(&place("riddle"), &place("riddle.key"));
+    let opened = unseal(&place("example"), &place("example.key"));
     let answer: Value = serde_json::from_slice(&opened.stdout).unwrap();
     assert_eq!(answer["measurements_unchanged"], false);
     assert!(text(&opened.stderr).contains("CHANGED"));

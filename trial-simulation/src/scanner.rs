@@ -13,12 +13,12 @@ pub struct SeenSurface {
     pass: usize,
     /// Row of parameters that have one value per pass or scan, from 0.
     row: usize,
-    shown: Shown,
+    shown: ScannedQuantity,
 }
 
 /// Quantity that is scanned after a pass.
 #[derive(Clone, Debug, PartialEq)]
-enum Shown {
+enum ScannedQuantity {
     /// After grinding.
     Heights(Topography),
     /// Coating dose at each pixel, NaN where there is no surface; after sanding.
@@ -37,8 +37,10 @@ impl SeenSurface {
         (pass, row): (usize, usize),
     ) -> Self {
         let shown = match like {
-            PassScan::Heights(_) => Shown::Heights(Topography::read(part, pixels, model)),
-            PassScan::Exposure(_) => Shown::Doses(pixels, Profilometer::sharp(pixels).channel(part, &part.dose)),
+            PassScan::Heights(_) => ScannedQuantity::Heights(Topography::read(part, pixels, model)),
+            PassScan::Exposure(_) => {
+                ScannedQuantity::Doses(pixels, Profilometer::sharp(pixels).channel(part, &part.dose))
+            }
         };
         Self { pass, row, shown }
     }
@@ -48,7 +50,7 @@ impl SeenSurface {
     /// # Errors
     /// A formula that gives no finite number.
     pub fn dose_margin(&self, model: &CompiledModel) -> Result<Option<Vec<f64>>, RunError> {
-        let Shown::Doses(_, doses) = &self.shown else { return Ok(None) };
+        let ScannedQuantity::Doses(_, doses) = &self.shown else { return Ok(None) };
         let threshold = model.exposure_threshold(&self.step())?;
         Ok(Some(doses.iter().map(|dose| dose - threshold).collect()))
     }
@@ -71,8 +73,8 @@ impl SeenSurface {
     pub fn reported(&self, model: &CompiledModel) -> Result<PassScan, RunError> {
         let step = self.step();
         Ok(match &self.shown {
-            Shown::Heights(surface) => PassScan::Heights(surface.reported(model, &step)?),
-            Shown::Doses(pixels, doses) => {
+            ScannedQuantity::Heights(surface) => PassScan::Heights(surface.reported(model, &step)?),
+            ScannedQuantity::Doses(pixels, doses) => {
                 let threshold = model.exposure_threshold(&step)?;
                 let exposed = doses.iter().map(|dose| dose.is_finite().then_some(*dose >= threshold)).collect();
                 PassScan::Exposure(ExposureMask { pixels: *pixels, exposed })

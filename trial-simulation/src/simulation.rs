@@ -16,7 +16,7 @@ use robot::Controller;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
 use sim::{
-    Covariates, ForceCourse, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS,
+    Covariates, ForceProfile, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS,
     run_pass,
 };
 use thiserror::Error;
@@ -131,7 +131,7 @@ struct Planned {
     /// Quantities that formulas may read.
     measured: Vec<Measured>,
     /// Logged force, if the controller follows it.
-    force: Option<ForceCourse>,
+    force: Option<ForceProfile>,
     /// Time at which the logged tool touched the part [s].
     approach: f64,
     /// Time in the air since the end of the path before [s].

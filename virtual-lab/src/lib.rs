@@ -16,6 +16,7 @@
 //! seed gives the same bytes on any number of threads.
 
 mod answer;
+mod experiment_error;
 mod fault;
 mod frame;
 mod front_end;
@@ -30,8 +31,7 @@ mod ripple;
 mod robot;
 mod seal;
 mod surface;
-mod truth;
-mod truth_error;
+mod trial_build;
 pub mod write;
 
 use std::collections::BTreeMap;
@@ -42,17 +42,17 @@ use sim::TOOL_CELLS;
 use thiserror::Error;
 
 use plan::Setting;
+use trial_build::TrialBuild;
 use trials::trial::{ForceInput, Trial};
-use truth::Bout;
 
 pub use self::robot::Robot;
 pub use answer::{ANSWER_FORMAT, Answer, HiddenEffect, Quantity, TrueTrial};
+pub use experiment_error::ExperimentError;
 pub use front_end::FrontEnd;
 pub use hidden::{Choice, Hidden, visible_value};
 pub use instrument::Instrument;
 pub use plan::{Plan, Size};
 pub use seal::{Key, SEAL_FORMAT, Seal, SealError};
-pub use truth_error::TruthError;
 
 /// A virtual experiment.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ pub enum MakeError {
     Effect(#[from] EffectError),
     /// A trial failed.
     #[error(transparent)]
-    Truth(#[from] TruthError),
+    Truth(#[from] ExperimentError),
 }
 
 impl Experiment {
@@ -191,7 +191,7 @@ impl Experiment {
         settings: &[Vec<Setting>],
         trials: &[usize],
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<(Trial, TrueTrial)>, TruthError> {
+    ) -> Result<Vec<(Trial, TrueTrial)>, ExperimentError> {
         let mut states = States::new(model, TOOL_CELLS);
         trials.iter().map(|&trial| self.run_one(model, (settings, trial), &mut states, done)).collect()
     }
@@ -202,8 +202,8 @@ impl Experiment {
         (settings, trial): (&[Vec<Setting>], usize),
         states: &mut States,
         done: &(dyn Fn() + Sync),
-    ) -> Result<(Trial, TrueTrial), TruthError> {
+    ) -> Result<(Trial, TrueTrial), ExperimentError> {
         let row = settings[..trial].iter().map(Vec::len).sum();
-        Bout::new(self, model, trial)?.run((&settings[trial], states, row), done)
+        TrialBuild::new(self, model, trial)?.run((&settings[trial], states, row), done)
     }
 }

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use sim::{Path, PathError, PathSample};
 
 use super::noise::correlated_line;
-use super::plan::{Bench, Setting};
+use super::plan::{ProcessDefaults, Setting};
 use super::robot::Robot;
 use effects::Process;
 use random::Stream;
@@ -32,13 +32,13 @@ struct Stretch {
 
 /// The commanded route of a pass over the workpiece.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Way(Vec<Stretch>);
+pub(super) struct Route(Vec<Stretch>);
 
-impl Way {
+impl Route {
     /// The route of a pass.
     ///
     /// - `ends`: least and greatest x of the bead or panel [m]
-    pub(super) fn of(process: Process, bench: &Bench, ends: [f64; 2], setting: &Setting) -> Self {
+    pub(super) fn of(process: Process, bench: &ProcessDefaults, ends: [f64; 2], setting: &Setting) -> Self {
         let mut corners = match process {
             Process::Grinding => vec![DVec2::new(ends[0] + INSET, 0.0), DVec2::new(ends[1] - INSET, 0.0)],
             Process::Sanding => lines(bench, ends),
@@ -155,7 +155,7 @@ fn sample(time: f64, centre: DVec3, tool: &Tool) -> PathSample {
 }
 
 /// Corners of a raster of lines along x, in alternating direction without lifting.
-fn lines(bench: &Bench, ends: [f64; 2]) -> Vec<DVec2> {
+fn lines(bench: &ProcessDefaults, ends: [f64; 2]) -> Vec<DVec2> {
     let border = PANEL_BORDER + bench.tool_radius;
     let reach = 0.5 * bench.width - border;
     let count = 1 + (2.0 * reach / (LINE_SPACING * bench.tool_radius)).ceil() as usize;

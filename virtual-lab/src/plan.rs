@@ -101,7 +101,7 @@ pub enum Size {
 
 /// Sizes and usual settings of a process.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bench {
+pub(super) struct ProcessDefaults {
     /// Distance between a scan's pixels [m].
     pub(super) pitch: f64,
     /// Length of a bead; extent of a panel along x [m].
@@ -118,7 +118,7 @@ pub(super) struct Bench {
     pub(super) rpm: f64,
 }
 
-impl Bench {
+impl ProcessDefaults {
     pub(super) fn of(process: Process, size: Size) -> Self {
         let grinding = Self {
             pitch: 0.25e-3,

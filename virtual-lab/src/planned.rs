@@ -5,9 +5,9 @@ use glam::DVec2;
 use sim::TOOL_CELLS;
 
 use super::answer::TrueTrial;
-use super::motion::Way;
-use super::truth::{Bout, Order};
-use super::truth_error::TruthError;
+use super::experiment_error::ExperimentError;
+use super::motion::Route;
+use super::trial_build::{Order, TrialBuild};
 use super::{Experiment, MakeError};
 use trials::trial::{Pass, Trial};
 
@@ -30,10 +30,10 @@ impl Experiment {
         }
         let mut row = settings.iter().map(Vec::len).sum();
         for stages in &self.then {
-            let mut bout = Bout::new(self, model, self.trials + made.len())?;
+            let mut build = TrialBuild::new(self, model, self.trials + made.len())?;
             for stage in stages {
-                bout.goes_on_as(format!("trial-{}", self.trials + made.len() + 1));
-                let trial = bout.follow(stage, (&mut states, row), done)?;
+                build.goes_on_as(format!("trial-{}", self.trials + made.len() + 1));
+                let trial = build.follow(stage, (&mut states, row), done)?;
                 row += trial.passes.len();
                 made.push((trial, TrueTrial::default()));
             }
@@ -42,7 +42,7 @@ impl Experiment {
     }
 }
 
-impl Bout<'_> {
+impl TrialBuild<'_> {
     /// Runs a planned trial with a tool of given `states`.
     ///
     /// - `row`: number of earlier passes of the campaign
@@ -51,7 +51,7 @@ impl Bout<'_> {
         planned: &Trial,
         (states, row): (&mut States, usize),
         done: &(dyn Fn() + Sync),
-    ) -> Result<Trial, TruthError> {
+    ) -> Result<Trial, ExperimentError> {
         let scans = self.scans()?;
         if planned.fresh {
             states.reset(self.model(), Reset::FreshTool);
@@ -84,5 +84,5 @@ impl Bout<'_> {
 fn ordered(pass: &Pass) -> Order {
     let pressed = pass.log.rows.iter().filter(|row| row.force > 0.0);
     let places: Vec<(f64, DVec2)> = pressed.map(|row| (row.time, row.position.truncate())).collect();
-    Order { way: Way::logged(&places), force_setpoint: pass.force_setpoint, spindle_speed: pass.spindle_speed }
+    Order { way: Route::logged(&places), force_setpoint: pass.force_setpoint, spindle_speed: pass.spindle_speed }
 }

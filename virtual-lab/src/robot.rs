@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use sim::PassRecord;
 
 use super::frame::Frame;
-use super::motion::Way;
+use super::motion::Route;
 use super::ripple::Ripple;
 use random::Stream;
 use robot::{Controller, Tool};
@@ -73,7 +73,7 @@ impl Robot {
     }
 
     /// The log of a pass.
-    pub(super) fn log(&self, pass: &Ran, stream: &mut Stream) -> Log {
+    pub(super) fn log(&self, pass: &PassRun, stream: &mut Stream) -> Log {
         let end = pass.touch + pass.way.duration();
         let rows = ((end + RETRACT.1) / PERIOD).floor() as usize;
         let row = |k: usize| {
@@ -100,11 +100,11 @@ impl Robot {
 }
 
 /// True motion and force of a pass.
-pub(super) struct Ran<'a> {
+pub(super) struct PassRun<'a> {
     /// The simulated pass.
     pub(super) record: &'a PassRecord,
     /// The commanded route.
-    pub(super) way: &'a Way,
+    pub(super) way: &'a Route,
     /// Time at which the force reaches the share of the setpoint at which the feed starts [s].
     pub(super) touch: f64,
     /// Controller of the force.
@@ -119,7 +119,7 @@ pub(super) struct Ran<'a> {
     pub(super) ripple: Option<Ripple>,
 }
 
-impl Ran<'_> {
+impl PassRun<'_> {
     /// The two logged values around a time, and the interpolation weight of the second.
     fn around(&self, time: f64) -> (&sim::LogRow, &sim::LogRow, f64) {
         // The record ends with a row in the air, which a robot would not have at this time.

@@ -15,7 +15,7 @@ use super::{Experiment, Made};
 use files::folder::{StagedFile, StagedFolder};
 use files::json_file::write_json;
 use files::json_file::{parse_json, read_json};
-use files::output::{FileKind, FolderKind, Out};
+use files::output::{FileKind, FolderKind, OutputPath};
 use files::{FileError, WrongUse, sha256};
 use trials::trial::write_trial;
 
@@ -60,10 +60,10 @@ impl Places {
     ///
     /// # Errors
     /// Wrong use if a place holds something that may not be replaced; otherwise if it cannot be written.
-    pub fn take(out: &Out, sealed: bool) -> Result<Self, WriteError> {
+    pub fn take(out: &OutputPath, sealed: bool) -> Result<Self, WriteError> {
         let folder = StagedFolder::new(out, &CAMPAIGN)?;
         let key = key_place(out.place);
-        let key = sealed.then(|| StagedFile::new(&Out { place: &key, ..*out }, &KEY)).transpose()?;
+        let key = sealed.then(|| StagedFile::new(&OutputPath { place: &key, ..*out }, &KEY)).transpose()?;
         Ok(Self { folder, key })
     }
 }
@@ -110,7 +110,7 @@ pub fn write(
     key: Option<Key>,
     force: bool,
 ) -> Result<(), WriteError> {
-    let out = Out { place: folder, force, inputs: &[] };
+    let out = OutputPath { place: folder, force, inputs: &[] };
     write_into(made, experiment, Places::take(&out, key.is_some())?, key)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::curvature::CurvatureProfile;
 use crate::curve::WeldCurve;
-use crate::propose::{Layout, MAX_STEPS, Proposals, Refused};
+use crate::propose::{Layout, MAX_STEPS, Proposals, RejectedProposal};
 use crate::rejection::Rejection;
 use crate::request::{Joint, Placement};
 use crate::trace::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart, trace_section};
@@ -18,7 +18,7 @@ impl Proposals<'_> {
     }
 
     /// Returns the plane cut through a start, in both directions, with the curvature of the cut.
-    pub(crate) fn section(&self, start: TraceStart) -> Result<WeldCurve, Refused> {
+    pub(crate) fn section(&self, start: TraceStart) -> Result<WeldCurve, RejectedProposal> {
         let layout @ Layout { steps, spacing, clear } = self.layout();
         let whole = steps + 2 * clear;
         let [ahead, back] = [1.0, -1.0]
@@ -27,7 +27,7 @@ impl Proposals<'_> {
         if reached + behind < whole {
             let end = if back.end == TraceEnd::Length { ahead.end } else { back.end };
             let run = (reached + behind).saturating_sub(2 * clear) as f64 * spacing;
-            return Err(Refused { why: Rejection::cut_short(end), run });
+            return Err(RejectedProposal { why: Rejection::cut_short(end), run });
         }
         let behind = behind.min(whole / 2).max(whole - reached.min(whole));
         let turned = |point: &TracePoint| TracePoint { tangent: -point.tangent, ..*point };

@@ -41,14 +41,14 @@ pub(crate) struct Cuts {
 
 /// A bead on its surface.
 #[derive(Clone, Copy)]
-pub(crate) struct Laid<'a> {
+pub(crate) struct PlacedBead<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) curve: &'a WeldCurve,
     pub(crate) profile: &'a BeadProfile,
     pub(crate) form: &'a BeadForm,
 }
 
-impl Laid<'_> {
+impl PlacedBead<'_> {
     /// Makes the requested undercut and holes, or returns the reason why the surface allows none.
     pub(crate) fn cuts(&self, request: &FormRequest, rng: &mut impl RngExt) -> Result<Cuts, Rejection> {
         let mut cuts = Cuts::default();

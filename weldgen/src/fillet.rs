@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::bead::{BeadForm, BeadProfile, sweep_formed};
 use crate::curvature::CurvatureProfile;
 use crate::curve::{CurvePoint, WeldCurve};
-use crate::propose::{Candidate, Layout, POINTS_PER_WIDTH, Proposals, Refused, mix};
+use crate::propose::{Candidate, Layout, POINTS_PER_WIDTH, Proposals, RejectedProposal, mix};
 use crate::rejection::Rejection;
 use crate::seam::Seam;
 
@@ -20,12 +20,12 @@ const OPENINGS: [f64; 2] = [0.8, 2.6];
 
 impl Proposals<'_> {
     /// Proposes a stretch of one of the seams, chosen with probability proportional to length.
-    pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
+    pub(crate) fn propose_fillet(&self, seed: u64, number: usize) -> Result<Candidate, RejectedProposal> {
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed, number));
         let seams = self.search.surface.seams();
         let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
-        let cut_short = |run: f64| Refused { why: Rejection::SharpEdge, run };
+        let cut_short = |run: f64| RejectedProposal { why: Rejection::SharpEdge, run };
         let whole: f64 = seams.iter().map(Seam::length).sum();
         let mut place = whole * rng.random::<f64>();
         let drawn = seams.iter().find(|seam| {
@@ -38,7 +38,7 @@ impl Proposals<'_> {
             return Err(cut_short((seam.length() - 2.0 * clear as f64 * spacing).max(0.0)));
         }
         let from = rng.random::<f64>() * if seam.closed { seam.length() } else { room };
-        let refuse = |why| Refused { why, run: self.wanted.length };
+        let refuse = |why| RejectedProposal { why, run: self.wanted.length };
         let profile = self.fillet_profile(seam.openings([from, from + reach])).map_err(refuse)?;
         let points: Vec<_> = (0..=steps + 2 * clear)
             .map(|i| seam.point_at(self.search.surface.part, from + i as f64 * spacing))

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::access::access;
 use crate::bead::BeadProfile;
 use crate::exposure::exposures;
-use crate::propose::{Candidate, Proposals, Refused};
+use crate::propose::{Candidate, Proposals, RejectedProposal};
 use crate::rejection::{Rejection, Tally};
 
 /// Greatest number of proposals examined in parallel; the first that fits is taken, so the result is independent of the
@@ -60,8 +60,8 @@ pub(crate) fn first_fit(
 
 /// Measures the properties recorded at the curve's points. Exposure and access are then accurate enough to compare with
 /// the dials.
-fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, Refused> {
-    let refuse = |why| Err(Refused { why, run: proposals.wanted.length });
+fn measure(proposals: &Proposals, mut candidate: Candidate) -> Result<Candidate, RejectedProposal> {
+    let refuse = |why| Err(RejectedProposal { why, run: proposals.wanted.length });
     let BeadProfile { width, height, .. } = candidate.profile;
     let places: Vec<_> = candidate.curve.points.iter().map(|point| (point.position, point.normal)).collect();
     let measured = exposures(proposals.search.surface.query, &places, proposals.rays(MEASURING_RAYS));

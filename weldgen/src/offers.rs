@@ -3,7 +3,7 @@
 use crate::bead::BeadProfile;
 use crate::dial_fault::{shown, shown_mm};
 use crate::fit::first_fit;
-use crate::place::{Search, Wanted};
+use crate::place::{DrawnDials, Search};
 use crate::propose::{Candidate, mix};
 use crate::rejection::Tally;
 use crate::request::WIDTHS_PER_LENGTH;
@@ -14,25 +14,26 @@ const ATTEMPTS: usize = 96;
 const FACTORS: [f64; 6] = [0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
 
 /// Returns a sentence for each dial that alone makes the weld fit when relaxed, or one sentence if none does.
-pub(crate) fn offers(search: &Search, wanted: &Wanted, profile: BeadProfile, seed: u64) -> Vec<String> {
-    let fits = |wanted: Wanted, profile: BeadProfile| -> Option<Candidate> {
+pub(crate) fn offers(search: &Search, wanted: &DrawnDials, profile: BeadProfile, seed: u64) -> Vec<String> {
+    let fits = |wanted: DrawnDials, profile: BeadProfile| -> Option<Candidate> {
         let proposals = search.proposals(&wanted, profile);
         first_fit(&proposals, ATTEMPTS, mix(seed, usize::MAX), &mut Tally::default(), &mut 0.0)
     };
     let mut offers = Vec::new();
     let lengths = FACTORS.map(|factor| factor * wanted.length).into_iter();
     let shorter = lengths.filter(|length| *length >= WIDTHS_PER_LENGTH * profile.width);
-    if let Some(length) = shorter.map(|length| Wanted { length, ..*wanted }).find(|w| fits(*w, profile).is_some()) {
+    if let Some(length) = shorter.map(|length| DrawnDials { length, ..*wanted }).find(|w| fits(*w, profile).is_some()) {
         offers.push(format!("the length is impossible: {:.2} mm fits", 1e3 * length.length));
     }
     let mut calmer = [0.5, 0.0].map(|factor| factor * wanted.curvature_rms).into_iter();
     if wanted.curvature_rms > 0.0
-        && let Some(rms) = calmer.find(|&curvature_rms| fits(Wanted { curvature_rms, ..*wanted }, profile).is_some())
+        && let Some(rms) =
+            calmer.find(|&curvature_rms| fits(DrawnDials { curvature_rms, ..*wanted }, profile).is_some())
     {
         offers.push(format!("the curvature is impossible: {rms:.3} 1/m RMS fits"));
     }
     if wanted.exposure != [0.0, 1.0]
-        && let Some(fit) = fits(Wanted { exposure: [0.0, 1.0], ..*wanted }, profile)
+        && let Some(fit) = fits(DrawnDials { exposure: [0.0, 1.0], ..*wanted }, profile)
     {
         offers.push(format!("the exposure is impossible: {:.2} fits", fit.curve.min_exposure()));
     }

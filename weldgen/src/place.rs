@@ -14,7 +14,7 @@ use crate::curve::WeldCurve;
 use crate::fit::first_fit;
 use crate::offers::offers;
 pub use crate::place_error::PlaceError;
-use crate::propose::{Candidate, Proposals, Taken, mix};
+use crate::propose::{Candidate, OccupiedArea, Proposals, mix};
 use crate::rejection::Tally;
 use crate::request::{Joint, Placement, WIDTHS_PER_LENGTH, WeldRequest};
 use crate::stitch::stitched;
@@ -64,7 +64,7 @@ pub struct Weld {
     /// Request that it was placed for.
     pub request: WeldRequest,
     /// Dials drawn for this weld.
-    pub wanted: Wanted,
+    pub wanted: DrawnDials,
     /// Proposals rejected before this one.
     pub dropped: Tally,
     /// Choices made, with reasons, as sentences.
@@ -87,7 +87,7 @@ impl Weld {
 
 /// Dials of one weld, drawn with the seed from the request's ranges; the length may be a smaller one of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Wanted {
+pub struct DrawnDials {
     /// Length of the centreline [m].
     pub length: f64,
     /// Root mean square of the geodesic curvature [1/m].
@@ -125,7 +125,7 @@ pub fn place_welds_on(
     for number in 0..count {
         let seed = if number == 0 { seed } else { mix(seed, usize::MAX - number) };
         let weld = place_beside(surface, request, &taken, seed)?;
-        taken.push(Taken::by(&weld));
+        taken.push(OccupiedArea::by(&weld));
         match request.stitch {
             None => welds.push(Weld { run: number, ..weld }),
             Some(stitch) => welds.extend(stitched(&Weld { run: number, ..weld }, stitch, surface)?),
@@ -134,7 +134,12 @@ pub fn place_welds_on(
     Ok(welds)
 }
 
-fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed: u64) -> Result<Weld, PlaceError> {
+fn place_beside(
+    surface: &Surface,
+    request: &WeldRequest,
+    taken: &[OccupiedArea],
+    seed: u64,
+) -> Result<Weld, PlaceError> {
     let (field, offered) = admit(surface, request)?;
     let wanted = draw(request, seed);
     let mut refused = PlaceError::Exposure { asked: request.exposure, offered, reach: request.exposure_reach };
@@ -149,13 +154,13 @@ fn place_beside(surface: &Surface, request: &WeldRequest, taken: &[Taken], seed:
             continue;
         }
         let search = Search { surface, request, taken, field: &field, starts: &starts, along_seams };
-        match search.place(&Wanted { exposure, ..wanted }, seed) {
+        match search.place(&DrawnDials { exposure, ..wanted }, seed) {
             Err(error) => refused = error,
             Ok(mut weld) => {
                 if exposure != request.exposure {
                     weld.reasons.push(other_exposure(&weld, offered));
                 }
-                return Ok(Weld { wanted: Wanted { exposure: wanted.exposure, ..weld.wanted }, ..weld });
+                return Ok(Weld { wanted: DrawnDials { exposure: wanted.exposure, ..weld.wanted }, ..weld });
             }
         }
     }
@@ -193,7 +198,7 @@ pub(crate) struct Search<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) request: &'a WeldRequest,
     /// Welds already placed.
-    pub(crate) taken: &'a [Taken],
+    pub(crate) taken: &'a [OccupiedArea],
     pub(crate) field: &'a ExposureField,
     /// Strata in which welds may start.
     pub(crate) starts: &'a [u32],
@@ -203,11 +208,11 @@ pub(crate) struct Search<'a> {
 
 impl Search<'_> {
     /// Tries the stages in order.
-    fn place(&self, wanted: &Wanted, seed: u64) -> Result<Weld, PlaceError> {
+    fn place(&self, wanted: &DrawnDials, seed: u64) -> Result<Weld, PlaceError> {
         let (mut tally, mut longest_run) = (Tally::default(), 0f64);
         let stages = stages(self.request, wanted.length);
         for (stage, &(length, profile)) in stages.iter().enumerate() {
-            let proposals = self.proposals(&Wanted { length, ..*wanted }, profile);
+            let proposals = self.proposals(&DrawnDials { length, ..*wanted }, profile);
             let seed_here = mix(seed, stage);
             let (attempts, run) = (self.request.attempts, &mut longest_run);
             if let Some(candidate) = first_fit(&proposals, attempts, seed_here, &mut tally, run) {
@@ -215,11 +220,11 @@ impl Search<'_> {
             }
         }
         let (length, profile) = stages[stages.len() - 1];
-        let offers = offers(self, &Wanted { length, ..*wanted }, profile, seed);
+        let offers = offers(self, &DrawnDials { length, ..*wanted }, profile, seed);
         Err(PlaceError::Nowhere { length, width: profile.width, longest_run, tally, offers })
     }
 
-    pub(crate) fn proposals(&self, wanted: &Wanted, profile: BeadProfile) -> Proposals<'_> {
+    pub(crate) fn proposals(&self, wanted: &DrawnDials, profile: BeadProfile) -> Proposals<'_> {
         Proposals { search: self, wanted: *wanted, profile }
     }
 }
@@ -227,7 +232,7 @@ impl Search<'_> {
 fn finish(
     proposals: &Proposals,
     Candidate { curve, mut bead, root_depth, profile, form, cuts }: Candidate,
-    (wanted, seed): (&Wanted, u64),
+    (wanted, seed): (&DrawnDials, u64),
     dropped: Tally,
 ) -> Weld {
     let request = proposals.search.request;
@@ -268,7 +273,7 @@ fn finish(
         run: 0,
         seed,
         request: request.clone(),
-        wanted: Wanted { length: asked, ..*wanted },
+        wanted: DrawnDials { length: asked, ..*wanted },
         dropped,
         reasons,
     }
@@ -319,8 +324,8 @@ fn ways(request: &WeldRequest, seed: u64) -> Vec<bool> {
     }
 }
 
-fn draw(request: &WeldRequest, seed: u64) -> Wanted {
+fn draw(request: &WeldRequest, seed: u64) -> DrawnDials {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut from = |[low, high]: [f64; 2]| low + rng.random::<f64>() * (high - low);
-    Wanted { length: from(request.length), curvature_rms: from(request.curvature_rms), exposure: request.exposure }
+    DrawnDials { length: from(request.length), curvature_rms: from(request.curvature_rms), exposure: request.exposure }
 }

@@ -10,10 +10,10 @@ use sdf_bake::Mesh;
 use crate::bead::{BeadForm, BeadProfile, sweep_formed};
 use crate::curvature::CurvatureProfile;
 use crate::curve::{CurvePoint, Stretch, WeldCurve};
-use crate::cut::{Cuts, Laid};
+use crate::cut::{Cuts, PlacedBead};
 use crate::exposure::{ExposureRays, exposure};
 use crate::footprint::Footprint;
-use crate::place::{Search, Wanted, Weld};
+use crate::place::{DrawnDials, Search, Weld};
 use crate::rejection::Rejection;
 use crate::request::Placement;
 use crate::trace::{TraceEnd, TraceLimits, TracePoint, TraceStart, trace};
@@ -38,18 +38,18 @@ pub(crate) struct Proposals<'a> {
     /// Part, request, and possible starts of welds.
     pub(crate) search: &'a Search<'a>,
     /// The dials of this stage.
-    pub(crate) wanted: Wanted,
+    pub(crate) wanted: DrawnDials,
     /// Cross-section of a bead on a face.
     pub(crate) profile: BeadProfile,
 }
 
 /// Area occupied by a weld that is already placed.
-pub(crate) struct Taken {
+pub(crate) struct OccupiedArea {
     points: Vec<DVec3>,
     half_base: f64,
 }
 
-impl Taken {
+impl OccupiedArea {
     pub(crate) fn by(weld: &Weld) -> Self {
         let points = weld.curve.points.iter().step_by(4).map(|point| point.position).collect();
         Self { points, half_base: weld.profile.half_width_at(weld.root_depth) }
@@ -100,7 +100,7 @@ pub(crate) struct Candidate {
 }
 
 /// A rejected proposal.
-pub(crate) struct Refused {
+pub(crate) struct RejectedProposal {
     pub(crate) why: Rejection,
     /// Clear run found [m], possibly the only requirement that was missed.
     pub(crate) run: f64,
@@ -108,7 +108,7 @@ pub(crate) struct Refused {
 
 impl Proposals<'_> {
     /// Makes the proposal of a number in the sequence of a seed; checks run from cheap to expensive.
-    pub(crate) fn propose(&self, seed: u64, number: usize) -> Result<Candidate, Refused> {
+    pub(crate) fn propose(&self, seed: u64, number: usize) -> Result<Candidate, RejectedProposal> {
         if self.search.along_seams {
             return self.propose_fillet(seed, number);
         }
@@ -116,7 +116,7 @@ impl Proposals<'_> {
         let start = self.start(seed, number, &mut rng);
         let butt = self.search.request.placement == Placement::Butt;
         let curve = if butt { self.section(start)? } else { self.run(start, &mut rng)? };
-        let refuse = |why| Refused { why, run: self.wanted.length };
+        let refuse = |why| RejectedProposal { why, run: self.wanted.length };
         self.bends_gently(&curve).map_err(refuse)?;
         self.keeps_apart(&curve).map_err(refuse)?;
         let footprint =
@@ -143,7 +143,7 @@ impl Proposals<'_> {
         form: &BeadForm,
         rng: &mut Pcg64Mcg,
     ) -> Result<Cuts, Rejection> {
-        let laid = Laid { surface: self.search.surface, curve, profile, form };
+        let laid = PlacedBead { surface: self.search.surface, curve, profile, form };
         if laid.overlaps_hang_free() { laid.cuts(&self.search.request.form, rng) } else { Err(Rejection::Wall) }
     }
 
@@ -167,13 +167,13 @@ impl Proposals<'_> {
     }
 
     /// Traces in both directions from the start until the requested length and clear ends are reached.
-    fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, Refused> {
+    fn run(&self, start: TraceStart, rng: &mut Pcg64Mcg) -> Result<WeldCurve, RejectedProposal> {
         let Layout { steps, spacing, clear } = self.layout();
         let reach = (steps + 2 * clear) as f64 * spacing;
         let correlation = self.search.request.correlation.unwrap_or(0.5 * self.wanted.length);
         let (rms, max) = (self.wanted.curvature_rms, self.search.request.curvature_max);
         let shape = CurvatureProfile::random(reach, correlation, rng);
-        let refuse = |(end, points): (TraceEnd, usize)| Refused {
+        let refuse = |(end, points): (TraceEnd, usize)| RejectedProposal {
             why: Rejection::cut_short(end),
             run: points.saturating_sub(2 * clear) as f64 * spacing,
         };
@@ -265,8 +265,9 @@ impl Proposals<'_> {
         if meets {
             return Err(Rejection::OwnPass);
         }
-        let near =
-            |taken: &Taken| sparse.iter().any(|(_, point)| taken.is_near(*point, 0.5 * base + self.search.request.gap));
+        let near = |taken: &OccupiedArea| {
+            sparse.iter().any(|(_, point)| taken.is_near(*point, 0.5 * base + self.search.request.gap))
+        };
         if self.search.taken.iter().any(near) { Err(Rejection::OtherWeld) } else { Ok(()) }
     }
 

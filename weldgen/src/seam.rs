@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use sdf_bake::Mesh;
 
-use crate::topology::{Across, Topology};
+use crate::topology::{EdgeNeighbour, Topology};
 use crate::trace::TracePoint;
 
 /// Least angle [rad] between the normals of the two faces of a seam.
@@ -90,10 +90,10 @@ fn follower(
 }
 
 fn concave_edges(mesh: &Mesh, topology: &Topology) -> Vec<SeamEdge> {
-    let of_face = |(face, across): (usize, &[Across; 3])| {
+    let of_face = |(face, across): (usize, &[EdgeNeighbour; 3])| {
         let corners = mesh.triangles[face];
-        let edge = move |edge: usize, across: Across| match across {
-            Across::Face { face: other, turn, .. } if turn < -LEAST_TURN && face < other as usize => {
+        let edge = move |edge: usize, across: EdgeNeighbour| match across {
+            EdgeNeighbour::Face { face: other, turn, .. } if turn < -LEAST_TURN && face < other as usize => {
                 let ends = [corners[edge], corners[(edge + 1) % 3]];
                 let [from, to] = ends.map(|vertex| mesh.positions[vertex as usize]);
                 let normal = (mesh.normal(face) + mesh.normal(other as usize)).try_normalize()?;

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::bead::defect::Ground;
 use crate::bead::{BeadError, BeadForm, sweep_formed};
 use crate::curve::{CurvePoint, WeldCurve};
-use crate::cut::Laid;
+use crate::cut::PlacedBead;
 use crate::place::Weld;
 use crate::propose::mix;
 use crate::request::Stitch;
@@ -39,7 +39,7 @@ fn one(weld: &Weld, points: &[CurvePoint], number: usize, surface: &Surface) -> 
         point.height = profile.height * form.height_factor(point.arc_length);
     }
     let mut bead = sweep_formed(&curve, &profile, &form, weld.root_depth)?;
-    let laid = Laid { surface, curve: &curve, profile: &profile, form: &form };
+    let laid = PlacedBead { surface, curve: &curve, profile: &profile, form: &form };
     let cuts = laid.cuts(&weld.request.form, &mut rng).unwrap_or_default();
     let Surface { query, part, .. } = surface;
     let clear = form.half_reach(profile.half_width_at(weld.root_depth));

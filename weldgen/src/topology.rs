@@ -5,7 +5,7 @@ use sdf_bake::Mesh;
 
 /// Neighbour across an edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Across {
+pub enum EdgeNeighbour {
     /// Exactly one other triangle, of the same orientation.
     Face {
         /// Index of the triangle.
@@ -28,21 +28,21 @@ pub enum Across {
 #[derive(Clone, Debug)]
 pub struct Topology {
     /// Neighbour across each edge, shape `[m, 3]`.
-    pub across: Vec<[Across; 3]>,
+    pub across: Vec<[EdgeNeighbour; 3]>,
 }
 
 impl Topology {
     /// Pairs the edges of a mesh in time proportional to their number.
     pub fn new(mesh: &Mesh) -> Self {
         let normals: Vec<DVec3> = (0..mesh.triangles.len()).map(|face| mesh.normal(face)).collect();
-        let mut across = vec![[Across::NonManifold; 3]; mesh.triangles.len()];
+        let mut across = vec![[EdgeNeighbour::NonManifold; 3]; mesh.triangles.len()];
         for group in sorted_sides(mesh).chunk_by(|a, b| a.vertices == b.vertices) {
             match *group {
-                [one] => across[one.face as usize][usize::from(one.edge)] = Across::Boundary,
+                [one] => across[one.face as usize][usize::from(one.edge)] = EdgeNeighbour::Boundary,
                 [one, other] if one.reversed != other.reversed => {
                     let turn = turn(mesh, one, [one, other].map(|side| normals[side.face as usize]));
                     for (here, there) in [(one, other), (other, one)] {
-                        let link = Across::Face { face: there.face, edge: there.edge, turn };
+                        let link = EdgeNeighbour::Face { face: there.face, edge: there.edge, turn };
                         across[here.face as usize][usize::from(here.edge)] = link;
                     }
                 }

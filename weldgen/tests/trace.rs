@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use sdf_bake::{Mesh, query::MeshQuery};
 use shapes::{Numbers, cuboid, icosphere, plane, sheet, tube};
 use weldgen::curvature::CurvatureProfile;
-use weldgen::topology::{Across, Topology};
+use weldgen::topology::{EdgeNeighbour, Topology};
 use weldgen::trace::{Trace, TraceEnd, TraceLimits, TraceStart, trace};
 
 fn limits(length: f64) -> TraceLimits {
@@ -243,7 +243,7 @@ fn a_trace_says_why_it_stopped() {
     let [a, b, _] = fin.triangles[0];
     fin.positions.push(DVec3::Z);
     fin.triangles.push([a, b, fin.positions.len() as u32 - 1]);
-    assert!(Topology::new(&fin).across[0].contains(&Across::NonManifold));
+    assert!(Topology::new(&fin).across[0].contains(&EdgeNeighbour::NonManifold));
 
     let few = TraceLimits { max_steps: 3, ..limits(0.4) };
     assert_eq!(run(&flat, DVec3::ZERO, DVec3::X, &straight, few).end, TraceEnd::Steps);
@@ -262,7 +262,7 @@ fn dihedral_angles_are_signed_by_convexity() {
         let all = Topology::new(mesh).across;
         all.iter()
             .flatten()
-            .filter_map(|a| if let Across::Face { turn, .. } = a { Some(*turn) } else { None })
+            .filter_map(|a| if let EdgeNeighbour::Face { turn, .. } = a { Some(*turn) } else { None })
             .collect()
     };
     assert_eq!(turns(&cube).len(), 36);

@@ -34,7 +34,7 @@ pub enum WorkbenchError {
     },
     /// The folder for results cannot be written.
     #[error(transparent)]
-    Out(#[from] files::FileError),
+    OutputPath(#[from] files::FileError),
     /// The system cannot provide threads or sockets.
     #[error("the server: {0}")]
     Server(#[from] std::io::Error),

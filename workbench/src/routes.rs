@@ -17,7 +17,7 @@ use crate::bench::{Bench, PAGE_FILE, Stage, Task};
 use crate::error::Refusal;
 use crate::home::Home;
 use crate::pages;
-use crate::part::{Asked, Line, Looked, drawn, probed, section};
+use crate::part::{Line, PictureData, PictureRequest, drawn, probed, section};
 use crate::place::Kind;
 
 /// Longest wait for a change; then the request is answered and the page asks again.
@@ -158,15 +158,15 @@ async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
 }
 
 /// Collects the data for pictures: scans and current model.
-async fn looked_at(home: Arc<Home>, id: String) -> Answer<Looked> {
+async fn looked_at(home: Arc<Home>, id: String) -> Answer<PictureData> {
     let bench = bench_of(home, id).await?;
     bench.shared.read(|state| {
         let surfaces = state.surfaces().ok_or_else(|| Refusal::early("there are no surfaces to look at yet"))?;
-        Ok(Looked { surfaces, live: state.current().and_then(|stage| stage.live()) })
+        Ok(PictureData { surfaces, live: state.current().and_then(|stage| stage.live()) })
     })
 }
 
-async fn frame(State(home): Of, Path(id): Path<String>, Query(asked): Query<Asked>) -> Answer<Response> {
+async fn frame(State(home): Of, Path(id): Path<String>, Query(asked): Query<PictureRequest>) -> Answer<Response> {
     let looked = looked_at(home, id).await?;
     let (png, legend) = blocking(move || drawn(&looked, &asked)).await?;
     // Header values are ASCII: other characters are escaped as in JSON.
@@ -188,7 +188,7 @@ struct Pixel {
 async fn probe(
     State(home): Of,
     Path(id): Path<String>,
-    Query(asked): Query<Asked>,
+    Query(asked): Query<PictureRequest>,
     Query(Pixel { x, y }): Query<Pixel>,
 ) -> Answer<Json<Value>> {
     let looked = looked_at(home, id).await?;
@@ -198,7 +198,7 @@ async fn probe(
 async fn cut(
     State(home): Of,
     Path(id): Path<String>,
-    Query(asked): Query<Asked>,
+    Query(asked): Query<PictureRequest>,
     Query(line): Query<Line>,
 ) -> Answer<Json<Value>> {
     let looked = looked_at(home, id).await?;

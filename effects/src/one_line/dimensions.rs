@@ -10,7 +10,7 @@ use super::OneLineError;
 
 /// A dimension that depends on those of the unknowns: a known factor times powers of theirs.
 #[derive(Clone, Debug, PartialEq)]
-struct Open {
+struct PartialDimension {
     known: Dimension,
     /// Exponent of each unknown.
     powers: Vec<f64>,
@@ -22,10 +22,10 @@ pub(super) struct Dimensions<'a> {
     unknowns: &'a [String],
     /// Returns the dimension of a declared name.
     declared: &'a dyn Fn(&str) -> Option<Dimension>,
-    solved: Vec<Option<Open>>,
+    solved: Vec<Option<PartialDimension>>,
 }
 
-type Found = Result<Option<Open>, OneLineError>;
+type Found = Result<Option<PartialDimension>, OneLineError>;
 
 impl<'a> Dimensions<'a> {
     /// Returns the dimension of each unknown if the formula has dimension `of`; dimensionless if the formula leaves it
@@ -46,19 +46,19 @@ impl<'a> Dimensions<'a> {
         Ok(resolved)
     }
 
-    fn plain(&self, known: Dimension) -> Open {
-        Open { known, powers: vec![0.0; self.unknowns.len()] }
+    fn plain(&self, known: Dimension) -> PartialDimension {
+        PartialDimension { known, powers: vec![0.0; self.unknowns.len()] }
     }
 
-    fn alone(&self, unknown: usize) -> Open {
+    fn alone(&self, unknown: usize) -> PartialDimension {
         let mut open = self.plain(Dimension::NONE);
         open.powers[unknown] = 1.0;
         open
     }
 
     /// Substitutes the solved unknowns.
-    fn resolved(&self, open: &Open) -> Open {
-        let mut result = Open { known: open.known, powers: vec![0.0; open.powers.len()] };
+    fn resolved(&self, open: &PartialDimension) -> PartialDimension {
+        let mut result = PartialDimension { known: open.known, powers: vec![0.0; open.powers.len()] };
         for (unknown, power) in open.powers.iter().enumerate().filter(|(_, power)| **power != 0.0) {
             match &self.solved[unknown] {
                 None => result.powers[unknown] += power,
@@ -73,7 +73,7 @@ impl<'a> Dimensions<'a> {
     }
 
     /// Requires two dimensions to be equal; `None` stands for zero, which fits any dimension.
-    fn equal(&mut self, a: Option<Open>, b: Option<Open>, part: &Expr) -> Found {
+    fn equal(&mut self, a: Option<PartialDimension>, b: Option<PartialDimension>, part: &Expr) -> Found {
         let (Some(a), Some(b)) = (a.clone(), b.clone()) else { return Ok(a.or(b)) };
         let (a, b) = (self.resolved(&a), self.resolved(&b));
         let powers: Vec<f64> = a.powers.iter().zip(&b.powers).map(|(a, b)| a - b).collect();
@@ -86,7 +86,7 @@ impl<'a> Dimensions<'a> {
                 let known = ratio.to_power(by).ok_or_else(|| self.clash(part, a.known, b.known))?;
                 let mut rest: Vec<f64> = powers.iter().map(|power| by * power).collect();
                 rest[unknown] = 0.0;
-                self.solved[unknown] = Some(Open { known, powers: rest });
+                self.solved[unknown] = Some(PartialDimension { known, powers: rest });
             }
         }
         Ok(Some(self.resolved(&a)))
@@ -96,7 +96,7 @@ impl<'a> Dimensions<'a> {
         OneLineError::Dimension { part: self.text[part.span.clone()].to_owned(), found, expected }
     }
 
-    fn number(&mut self, found: Option<Open>, part: &Expr) -> Found {
+    fn number(&mut self, found: Option<PartialDimension>, part: &Expr) -> Found {
         self.equal(found, Some(self.plain(Dimension::NONE)), part)
     }
 
@@ -114,7 +114,7 @@ impl<'a> Dimensions<'a> {
         }
     }
 
-    fn applied(&mut self, op: Op, parts: &[Expr], found: Vec<Option<Open>>) -> Found {
+    fn applied(&mut self, op: Op, parts: &[Expr], found: Vec<Option<PartialDimension>>) -> Found {
         let plain = Some(self.plain(Dimension::NONE));
         match op {
             Op::Add | Op::Sub | Op::Min | Op::Max => self.equal(found[0].clone(), found[1].clone(), &parts[1]),
@@ -142,16 +142,16 @@ impl<'a> Dimensions<'a> {
     }
 
     /// Returns one dimension times a power of another; `None` if either is a zero.
-    fn product(&self, found: &[Option<Open>], power: f64) -> Option<Open> {
+    fn product(&self, found: &[Option<PartialDimension>], power: f64) -> Option<PartialDimension> {
         let (a, b) = (found[0].as_ref()?, found[1].as_ref()?);
         let known = if power > 0.0 { a.known * b.known } else { a.known / b.known };
-        Some(Open { known, powers: a.powers.iter().zip(&b.powers).map(|(a, b)| a + power * b).collect() })
+        Some(PartialDimension { known, powers: a.powers.iter().zip(&b.powers).map(|(a, b)| a + power * b).collect() })
     }
 
-    fn raised(&self, found: Option<Open>, power: f64, part: &Expr) -> Found {
+    fn raised(&self, found: Option<PartialDimension>, power: f64, part: &Expr) -> Found {
         let Some(found) = found else { return Ok(None) };
         let found = self.resolved(&found);
         let known = found.known.to_power(power).ok_or_else(|| self.clash(part, found.known, Dimension::NONE))?;
-        Ok(Some(Open { known, powers: found.powers.iter().map(|own| power * own).collect() }))
+        Ok(Some(PartialDimension { known, powers: found.powers.iter().map(|own| power * own).collect() }))
     }
 }

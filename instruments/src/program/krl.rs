@@ -18,7 +18,7 @@ const ACCEPTED: &str = "LIN and PTP with a pose or the name of one, declarations
 /// Components of a pose in order.
 const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// Instructions without effect on the path, by their first word.
-const HARMLESS: [&str; 26] = [
+const WITHOUT_MOTION: [&str; 26] = [
     "DEF",
     "END",
     "DEFDAT",
@@ -164,7 +164,7 @@ impl Robot<'_> {
                 Some(value) => self.set_frame("FDAT_ACT", value, number),
                 None => Ok(()),
             },
-            word if HARMLESS.contains(&word) => Ok(()),
+            word if WITHOUT_MOTION.contains(&word) => Ok(()),
             // Other settings of the controller; assignments to a component of a frame would be offsets.
             word if word.starts_with('$') && !word.starts_with("$BASE") && !word.starts_with("$TOOL") => Ok(()),
             word => self.assign(word, &mut reader, (line, number)),

@@ -15,7 +15,7 @@ use crate::misread::Misread;
 
 const ACCEPTED: &str = "MoveL and MoveJ with a robtarget, declarations and instructions that move nothing are accepted";
 /// Instructions without effect on the path, by their first word.
-const HARMLESS: [&str; 27] = [
+const WITHOUT_MOTION: [&str; 27] = [
     "ConfL",
     "ConfJ",
     "SingArea",
@@ -210,7 +210,7 @@ impl Robot<'_> {
             return Ok(());
         }
         let is_declaration = ["LOCAL", "TASK", "CONST", "PERS", "VAR"].into_iter().any(is);
-        if is_declaration || HARMLESS.into_iter().any(is) { Ok(()) } else { self.refuse(statement, line) }
+        if is_declaration || WITHOUT_MOTION.into_iter().any(is) { Ok(()) } else { self.refuse(statement, line) }
     }
 
     /// Returns false if the move is not understood.

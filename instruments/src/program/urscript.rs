@@ -15,7 +15,7 @@ use crate::misread::Misread;
 const ACCEPTED: &str = "movel and movep with p[…] or the name of one, assignments of p[…] and functions that move nothing are \
                         accepted";
 /// Functions and keywords without effect on the path.
-const HARMLESS: [&str; 22] = [
+const WITHOUT_MOTION: [&str; 22] = [
     "def",
     "end",
     "sleep",
@@ -115,7 +115,7 @@ impl Robot<'_> {
                 // Numbers may be assigned, too; a move that uses one is refused.
                 Ok(is_whole || matches!(reader.rest, [Token::Number(_) | Token::Text]))
             }
-            _ => Ok(HARMLESS.contains(&first)),
+            _ => Ok(WITHOUT_MOTION.contains(&first)),
         }
     }
 

@@ -6,7 +6,7 @@ use files::input::quoted;
 use glam::DVec2;
 
 use super::numbers::{Numbers, Words, has_decimal_commas};
-use super::write::{Unwritable, pitch_of};
+use super::write::{MapWriteError, pitch_of};
 use super::{Format, Source, Surface, missing, shape};
 use crate::misread::{Misread, Place};
 
@@ -130,8 +130,8 @@ fn bad_word(word: &[u8]) -> String {
 /// Writes a grid in millimetres, missing heights as -9999.
 ///
 /// # Errors
-/// [`Unwritable`] without a pitch.
-pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, Unwritable> {
+/// [`MapWriteError`] without a pitch.
+pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, MapWriteError> {
     let pitch = pitch_of(surface)? * 1e3;
     let corner = surface.origin.unwrap_or(DVec2::ZERO) * 1e3 - 0.5 * pitch;
     let mut text = format!("ncols {}\nnrows {}\n", surface.nx, surface.ny);

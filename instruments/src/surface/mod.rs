@@ -49,7 +49,7 @@ use glam::DVec2;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use crate::misread::Misread;
-pub use write::{Unwritable, write};
+pub use write::{MapWriteError, write};
 
 /// Maximum number of pixels of a map.
 const MOST_PIXELS: usize = 1 << 28;

@@ -8,7 +8,7 @@ use flate2::read::ZlibDecoder;
 
 use super::bytes::Bytes;
 use super::element::{Element, Order};
-use super::write::{Unwritable, pitch_of};
+use super::write::{MapWriteError, pitch_of};
 use super::{Format, Source, Surface, missing, shape, unit};
 use crate::misread::{Misread, Place};
 
@@ -176,13 +176,13 @@ fn unpack(bytes: &mut Bytes, length: usize) -> Result<Vec<u8>, String> {
 /// The bytes of a file with 32-bit heights, in steps of a power of two micrometres.
 ///
 /// # Errors
-/// [`Unwritable`] without a pitch or without any height.
-pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, Unwritable> {
+/// [`MapWriteError`] without a pitch or without any height.
+pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, MapWriteError> {
     let pitch = pitch_of(surface)? * 1e6;
     let seen = || surface.heights.iter().filter(|height| height.is_finite()).map(|height| height * 1e6);
     let most = seen().fold(0.0, |most: f64, height| most.max(height.abs()));
     if seen().next().is_none() {
-        return Err(Unwritable::NoHeight);
+        return Err(MapWriteError::NoHeight);
     }
     let step = if most > 0.0 { (most / MOST_STEPS).log2().ceil().exp2() } else { 1.0 };
     let steps = |height: f64| (height * 1e6 / step).round() as i32;

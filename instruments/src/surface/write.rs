@@ -9,7 +9,7 @@ use super::{Surface, esri, sur, x3p_write};
 
 /// Error of a map that cannot be written.
 #[derive(Debug, Error, PartialEq, Eq)]
-pub enum Unwritable {
+pub enum MapWriteError {
     /// The extension belongs to no supported format.
     #[error("{name}: no height map is written with this extension; .sur, .x3p and .asc are")]
     Extension {
@@ -43,24 +43,24 @@ pub enum Unwritable {
 /// integer steps of a power of two micrometres, at most 2⁻²⁹ of the largest height, and 32-bit pitches.
 ///
 /// # Errors
-/// [`Unwritable`]
-pub fn write(file: &Path, surface: &Surface) -> Result<Vec<u8>, Unwritable> {
+/// [`MapWriteError`]
+pub fn write(file: &Path, surface: &Surface) -> Result<Vec<u8>, MapWriteError> {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let write = match extension.as_deref() {
         Some("sur") => sur::write,
         Some("x3p") => x3p_write::write,
         Some("asc") => esri::write,
-        _ => return Err(Unwritable::Extension { name: file.display().to_string() }),
+        _ => return Err(MapWriteError::Extension { name: file.display().to_string() }),
     };
     let Surface { nx, ny, .. } = *surface;
     let heights = surface.heights.len();
     if nx.checked_mul(ny) != Some(heights) || heights == 0 || nx.max(ny) > i32::MAX as usize {
-        return Err(Unwritable::Shape { nx, ny, heights });
+        return Err(MapWriteError::Shape { nx, ny, heights });
     }
     write(surface)
 }
 
 /// The pitch of a map [m].
-pub(super) fn pitch_of(surface: &Surface) -> Result<DVec2, Unwritable> {
-    surface.pitch.filter(|pitch| pitch.is_finite() && pitch.cmpgt(DVec2::ZERO).all()).ok_or(Unwritable::NoPitch)
+pub(super) fn pitch_of(surface: &Surface) -> Result<DVec2, MapWriteError> {
+    surface.pitch.filter(|pitch| pitch.is_finite() && pitch.cmpgt(DVec2::ZERO).all()).ok_or(MapWriteError::NoPitch)
 }

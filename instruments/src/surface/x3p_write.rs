@@ -8,7 +8,7 @@ use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipWriter};
 
 use super::Surface;
-use super::write::{Unwritable, pitch_of};
+use super::write::{MapWriteError, pitch_of};
 
 /// Zip member with the heights.
 const HEIGHTS: &str = "bindata/data.bin";
@@ -16,13 +16,13 @@ const HEIGHTS: &str = "bindata/data.bin";
 /// The bytes of a file.
 ///
 /// # Errors
-/// [`Unwritable`] without a pitch.
-pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, Unwritable> {
+/// [`MapWriteError`] without a pitch.
+pub(super) fn write(surface: &Surface) -> Result<Vec<u8>, MapWriteError> {
     let heights: Vec<u8> = surface.heights.iter().flat_map(|height| height.to_le_bytes()).collect();
     let description = description(surface, &checksum(&heights))?;
     let sums = format!("{} *main.xml\n", checksum(description.as_bytes()).to_lowercase());
     let members = [("main.xml", description.as_bytes()), (HEIGHTS, &heights), ("md5checksum.hex", sums.as_bytes())];
-    zipped(&members).map_err(|error| Unwritable::Zip(error.to_string()))
+    zipped(&members).map_err(|error| MapWriteError::Zip(error.to_string()))
 }
 
 /// A zip of members without time stamps.
@@ -45,7 +45,7 @@ fn checksum(bytes: &[u8]) -> String {
 }
 
 /// The `main.xml`; dates, which the schema requires, are the first of January 1970.
-fn description(surface: &Surface, checksum: &str) -> Result<String, Unwritable> {
+fn description(surface: &Surface, checksum: &str) -> Result<String, MapWriteError> {
     let pitch = pitch_of(surface)?;
     let origin = surface.origin.unwrap_or_default();
     let axis = |name: &str, increment: f64, offset: f64| {

@@ -1,7 +1,7 @@
 //! Compares a sphere's photograph with its closed form.
 
 use glam::{DVec2, DVec3};
-use render::{Camera, Distortion, Placement, Projection, Raster, Scene, Seen};
+use render::{Camera, Distortion, Placement, Projection, Raster, Scene, VisibleObject};
 use sdf_bake::BrickGrid;
 
 use crate::scenes::VOXEL;
@@ -42,7 +42,11 @@ fn silhouette_depth_and_normal_of_a_sphere_are_those_of_the_closed_form() {
             let closest = (ray.origin - centre).reject_from(ray.direction).length();
             // Within half a voxel of the outline either result is accepted; here that is at most one pixel.
             if (closest - RADIUS).abs() > 0.5 * VOXEL {
-                assert_eq!(seen == Seen::Part, closest < RADIUS, "pixel ({x}, {y}), {closest} m from the centre");
+                assert_eq!(
+                    seen == VisibleObject::Part,
+                    closest < RADIUS,
+                    "pixel ({x}, {y}), {closest} m from the centre"
+                );
             }
             let Some(distance) = to_sphere(ray.origin, ray.direction, centre).filter(|_| closest < 0.95 * RADIUS)
             else {

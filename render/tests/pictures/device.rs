@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec2, DVec3, Vec3};
 use render::{
-    Camera, Distortion, Frame, Marks, Photographer, Placement, Projection, ROLLED_STEEL, Raster, Scene, Seen, Table,
-    to_srgb8,
+    Camera, Distortion, Frame, Marks, Photographer, Placement, Projection, ROLLED_STEEL, Raster, Scene, Table,
+    VisibleObject, to_srgb8,
 };
 use shaders::testing;
 
@@ -36,7 +36,7 @@ fn differs(cpu: &Frame, gpu: &Frame, pixel: usize, view: DVec3) -> bool {
     let slant = cpu.normal[pixel].as_dvec3().dot(view).abs().max(LEAST_SLANT);
     let length = (LENGTH / slant) as f32;
     (0..3).any(|i| codes[0][i].abs_diff(codes[1][i]) > 1)
-        || (cpu.seen[pixel] != Seen::Background && !close(cpu.depth[pixel], gpu.depth[pixel], length))
+        || (cpu.seen[pixel] != VisibleObject::Background && !close(cpu.depth[pixel], gpu.depth[pixel], length))
         || !near(cpu.position[pixel], gpu.position[pixel], length)
         || !near(cpu.normal[pixel], gpu.normal[pixel], BEND * length / VOXEL as f32)
         || !close(cpu.dose[pixel], gpu.dose[pixel], 1e-3)
@@ -74,7 +74,7 @@ fn pictures_of_the_device_differ_from_the_cpu_s_in_at_most_a_thousandth_of_the_p
             let cpu = scene.photograph(&camera, &RASTER);
             let gpu = photographer.photograph(&buffers, &scene, &camera, &RASTER).expect("a photograph");
             let pixels = cpu.seen.len();
-            let part_pixels = cpu.seen.iter().filter(|seen| **seen == Seen::Part).count();
+            let part_pixels = cpu.seen.iter().filter(|seen| **seen == VisibleObject::Part).count();
             let ray = |pixel: usize| {
                 let at = DVec2::new((pixel % RASTER.width) as f64 + 0.5, (pixel / RASTER.width) as f64 + 0.5);
                 let size = DVec2::new(RASTER.width as f64, RASTER.height as f64);

@@ -1,7 +1,7 @@
 //! Compares silhouettes and depths with ray casts against the extracted surface.
 
 use glam::DVec2;
-use render::{Camera, Raster, Scene, Seen};
+use render::{Camera, Raster, Scene, VisibleObject};
 use sdf_bake::query::MeshQuery;
 
 use crate::scenes::{VOXEL, bracket};
@@ -26,7 +26,7 @@ fn silhouettes_and_depths_agree_with_ray_casts_at_the_extracted_surface_within_h
             let (x, y) = (pixel % 160, pixel / 160);
             let at = DVec2::new((x as f64 + 0.5) / 160.0, (y as f64 + 0.5) / 120.0);
             let depth = f64::from(frame.depth[pixel]);
-            assert_eq!(depth.is_finite(), frame.seen[pixel] == Seen::Part);
+            assert_eq!(depth.is_finite(), frame.seen[pixel] == VisibleObject::Part);
             seen += usize::from(depth.is_finite());
             // Depths of the extracted surface within half a voxel around the pixel's ray: the range for a surface with
             // an error of half a voxel.

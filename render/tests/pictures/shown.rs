@@ -1,7 +1,7 @@
 //! Tests of materials, light and marks in a photograph.
 
 use glam::{DVec3, Vec3};
-use render::{Camera, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Seen, Table};
+use render::{Camera, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Table, VisibleObject};
 use sdf_bake::BrickGrid;
 
 use crate::scenes::{VOXEL, bracket, channel, cuboid};
@@ -21,7 +21,7 @@ fn from_above() -> Camera {
 fn mean(frame: &Frame, (least, most): (f32, f32)) -> Vec3 {
     let shown = (0..frame.seen.len()).filter(|&i| {
         let p = frame.position[i];
-        frame.seen[i] == Seen::Part && p.x > least && p.x < most && p.y.abs() < 0.008
+        frame.seen[i] == VisibleObject::Part && p.x > least && p.x < most && p.y.abs() < 0.008
     });
     let colours: Vec<Vec3> = shown.map(|i| frame.colour[i]).collect();
     assert!(colours.len() > 100, "{} pixels", colours.len());
@@ -55,7 +55,7 @@ fn a_picture_over_an_earlier_one_is_that_in_new_memory() {
             assert_eq!(frame, scene.photograph(camera, &raster), "{raster:?}");
             frame.removed_full_scale = Some(1.0);
         }
-        assert!(frame.seen.contains(&Seen::Background) && frame.seen.contains(&Seen::Part));
+        assert!(frame.seen.contains(&VisibleObject::Background) && frame.seen.contains(&VisibleObject::Part));
     }
 }
 
@@ -101,8 +101,8 @@ fn the_part_throws_a_shadow_on_its_table_and_hides_it() {
     scene.lights = Lights { keys: vec![scene.lights.keys[0]], ..Lights::default() };
     let camera = Camera::framing(low, high, -1.0, 0.8, 4.0 / 3.0);
     let frame = scene.photograph(&camera, &RASTER);
-    let table: Vec<usize> = (0..frame.seen.len()).filter(|&i| frame.seen[i] == Seen::Table).collect();
-    let part_pixels = frame.seen.iter().filter(|seen| **seen == Seen::Part).count();
+    let table: Vec<usize> = (0..frame.seen.len()).filter(|&i| frame.seen[i] == VisibleObject::Table).collect();
+    let part_pixels = frame.seen.iter().filter(|seen| **seen == VisibleObject::Part).count();
     assert!(table.len() > 2000 && part_pixels > 2000 && table.len() + part_pixels == frame.seen.len());
     assert!(table.iter().all(|&i| (frame.position[i].z - low.z as f32).abs() < 1e-6));
     let towards = scene.lights.keys[0].towards;

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use image::Rgb;
 use robot::Tool;
 use sdf_bake::HeightMap;
-use trials::measure::{CLEARANCE, Freedom, register, untouched};
+use trials::measure::{CLEARANCE, DegreesOfFreedom, register, untouched};
 use trials::trial::{ExposureMask, HeldTool, PassScan, ToolPath, ToolPose, Trial};
 
 use super::TrialCheck;
@@ -68,8 +68,8 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
 fn change(trial: &Trial, pass: usize, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
     let path = path_of(trial, pass);
     let free = untouched(before, &path, &trial.tool, CLEARANCE);
-    let registration = register(after, before, Freedom::PlaneAndShift, |at| free[at])
-        .or_else(|_| register(after, before, Freedom::Plane, |_| true))
+    let registration = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at])
+        .or_else(|_| register(after, before, DegreesOfFreedom::Plane, |_| true))
         .unwrap_or_default();
     registration.left(after, before)
 }

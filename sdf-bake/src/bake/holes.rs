@@ -19,7 +19,7 @@ use crate::clean::{EdgeMap, disagreeing};
 const MOST_PATCHED: f64 = 0.9;
 
 /// A surface whose triangles and patches together are closed.
-pub(super) struct Closed<'a> {
+pub(super) struct ClosedSurface<'a> {
     pub(super) mesh: Cow<'a, Mesh>,
     /// Triangles over holes.
     pub(super) patches: Vec<Corners>,
@@ -32,9 +32,9 @@ pub(super) struct Closed<'a> {
 }
 
 /// Closes a surface; `None` if the patches would outweigh it.
-pub(super) fn close<'a>(mesh: &'a Mesh, edges: &EdgeMap) -> Option<Closed<'a>> {
+pub(super) fn close<'a>(mesh: &'a Mesh, edges: &EdgeMap) -> Option<ClosedSurface<'a>> {
     let differs = |edge: usize| edges.uses(edge).len() == 2 && !edges.is_balanced(edge);
-    let mut closed = Closed::as_it_is(mesh);
+    let mut closed = ClosedSurface::as_it_is(mesh);
     if edges.indices().any(differs) {
         let turn = disagreeing(mesh, edges);
         closed.turned = turn.iter().filter(|&&turn| turn).count();
@@ -52,7 +52,7 @@ pub(super) fn close<'a>(mesh: &'a Mesh, edges: &EdgeMap) -> Option<Closed<'a>> {
     (area <= MOST_PATCHED * mesh.area()).then_some(closed)
 }
 
-impl<'a> Closed<'a> {
+impl<'a> ClosedSurface<'a> {
     /// A surface that is already closed.
     pub(super) fn as_it_is(mesh: &'a Mesh) -> Self {
         Self { mesh: Cow::Borrowed(mesh), patches: Vec::new(), guesses: Vec::new(), holes: 0, turned: 0 }

@@ -2,7 +2,7 @@
 
 use super::columns::{self, Insides};
 use super::error::BakeError;
-use super::holes::{Closed, close};
+use super::holes::{ClosedSurface, close};
 use super::normals::{self, Normals};
 use super::options::{BakeOptions, SignChoice, SignMethod};
 use super::scatter::{BrickTriangles, scatter};
@@ -16,9 +16,9 @@ use crate::mesh::Mesh;
 /// Rule for the sign of a surface.
 pub(super) enum Plan<'a> {
     /// Crossings of the closed surface along columns.
-    Columns(Closed<'a>),
+    Columns(ClosedSurface<'a>),
     /// Normals of the surface; its crossings are counted only to find overlapping bodies.
-    Normals(Closed<'a>),
+    Normals(ClosedSurface<'a>),
     /// Generalised winding number of a surface that is hardly connected.
     Winding(&'a Mesh),
     /// Shell of a thickness around the surface.
@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
         if options.sign == SignChoice::Normal {
             return match normals::doubt(mesh, edges) {
                 Some(reason) => Err(BakeError::NormalsUnsafe { reason }),
-                None => Ok(Self::Normals(Closed::as_it_is(mesh))),
+                None => Ok(Self::Normals(ClosedSurface::as_it_is(mesh))),
             };
         }
         Ok(close(mesh, edges).map_or(Self::Winding(mesh), Self::Columns))
@@ -79,10 +79,10 @@ impl<'a> Plan<'a> {
     /// Reason for this rule, as a sentence.
     pub(super) fn reason(&self, edges: &EdgeMap) -> String {
         match self {
-            Self::Columns(Closed { holes: 0, turned: 0, .. }) => {
+            Self::Columns(ClosedSurface { holes: 0, turned: 0, .. }) => {
                 "every edge is passed equally often both ways: crossings are exact".into()
             }
-            Self::Columns(Closed { holes, turned, .. }) => format!(
+            Self::Columns(ClosedSurface { holes, turned, .. }) => format!(
                 "{} boundary edges; {holes} holes patched and {turned} triangles turned, for the sign only",
                 edges.boundary_count()
             ),
@@ -118,7 +118,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Signs of a closed surface from crossings; walls inside other bodies are removed from the distance.
-fn united<'a>(closed: &Closed, skin: Skin, edges: &EdgeMap, grid: &BrickGrid, reach: f64) -> Scene<'a> {
+fn united<'a>(closed: &ClosedSurface, skin: Skin, edges: &EdgeMap, grid: &BrickGrid, reach: f64) -> Scene<'a> {
     let whole = closed.patches.is_empty() && closed.turned == 0;
     let mut skin = if whole { skin } else { Skin::new(&closed.patches, &closed.mesh, &[], grid.voxel) };
     let ((bodies, sides), (mut near, mut insides)) = rayon::join(

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::closed::BoxTree;
 use super::cuts;
-use super::holes::Closed;
+use super::holes::ClosedSurface;
 use super::skin::Corners;
 use crate::Mesh;
 use crate::clean::EdgeMap;
@@ -36,7 +36,7 @@ pub(super) struct Bodies {
 }
 
 /// Triangles that others may intersect.
-pub(super) struct Suspects<'a> {
+pub(super) struct CandidateTriangles<'a> {
     bodies: &'a Bodies,
     /// True if bodies may also intersect themselves.
     may_meet_itself: bool,
@@ -73,7 +73,7 @@ impl Bodies {
     }
 
     /// Triangles within the box of another body, or all if bodies are known to overlap; `None` if there are none.
-    pub(super) fn suspects(&self, mesh: &Mesh, overlaps: bool) -> Option<Suspects<'_>> {
+    pub(super) fn suspects(&self, mesh: &Mesh, overlaps: bool) -> Option<CandidateTriangles<'_>> {
         if !overlaps && !self.are_close() {
             return None;
         }
@@ -85,7 +85,7 @@ impl Bodies {
             overlaps || neighbours.iter().any(|&other| overlap(&bounds, &self.boxes[other], margin))
         };
         let triangles: Vec<u32> = (0..self.labels.len() as u32).filter(is_suspect).collect();
-        (!triangles.is_empty()).then_some(Suspects { bodies: self, may_meet_itself: overlaps, triangles })
+        (!triangles.is_empty()).then_some(CandidateTriangles { bodies: self, may_meet_itself: overlaps, triangles })
     }
 }
 
@@ -121,7 +121,13 @@ fn overlapping(boxes: &[Bounds], margin: f64) -> Vec<Vec<usize>> {
 /// - `edges`: those of the closed surface's triangles, in any orientation
 /// - `sides`: those of the closed surface
 /// - `voxel`: distance between voxels [m]
-pub(super) fn within(mesh: &Mesh, edges: &EdgeMap, suspects: &Suspects, sides: &Sides, voxel: f64) -> Option<Walls> {
+pub(super) fn within(
+    mesh: &Mesh,
+    edges: &EdgeMap,
+    suspects: &CandidateTriangles,
+    sides: &Sides,
+    voxel: f64,
+) -> Option<Walls> {
     let segments = segments(mesh, suspects, &sides.boxes, TOLERANCE * voxel);
     let mut is_wall = whole_triangles(mesh, edges, suspects, &segments, sides);
     let cut: Vec<(usize, Vec<Corners>)> = (0..mesh.triangles.len())
@@ -157,7 +163,7 @@ pub(super) struct Sides {
 
 impl Sides {
     /// - `voxel`: distance between voxels [m]
-    pub(super) fn of(closed: &Closed, voxel: f64) -> Self {
+    pub(super) fn of(closed: &ClosedSurface, voxel: f64) -> Self {
         let mut corners: Vec<Corners> = (0..closed.mesh.triangles.len()).map(|t| closed.mesh.corners(t)).collect();
         corners.extend_from_slice(&closed.patches);
         Self { boxes: BoxTree::new(corners, TOLERANCE * voxel), aside: ASIDE * voxel }
@@ -174,7 +180,7 @@ impl Sides {
 /// Intersection segments of each triangle with others.
 ///
 /// - `boxes`: tree whose first triangles are the mesh's
-fn segments(mesh: &Mesh, suspects: &Suspects, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
+fn segments(mesh: &Mesh, suspects: &CandidateTriangles, boxes: &BoxTree, tolerance: f64) -> Vec<Vec<[DVec3; 2]>> {
     let mut is_suspect = vec![false; boxes.triangles.len()];
     suspects.triangles.iter().for_each(|&t| is_suspect[t as usize] = true);
     let of_suspect = |&t: &u32| {
@@ -197,7 +203,7 @@ fn segments(mesh: &Mesh, suspects: &Suspects, boxes: &BoxTree, tolerance: f64) -
     segments
 }
 
-impl Suspects<'_> {
+impl CandidateTriangles<'_> {
     /// True if two triangles may intersect; neighbours in one body that share a corner are excluded.
     fn may_meet(&self, mesh: &Mesh, t: usize, u: usize) -> bool {
         let shares_corner = || mesh.triangles[t].iter().any(|corner| mesh.triangles[u].contains(corner));
@@ -209,7 +215,7 @@ impl Suspects<'_> {
 fn whole_triangles(
     mesh: &Mesh,
     edges: &EdgeMap,
-    suspects: &Suspects,
+    suspects: &CandidateTriangles,
     segments: &[Vec<[DVec3; 2]>],
     sides: &Sides,
 ) -> Vec<bool> {

@@ -7,7 +7,7 @@ use super::{Format, MeshFile, ReadError, Unit, UnitChoice, announced, detect_for
 use files::input::{self, MOST_MESH_BYTES};
 
 /// Files that a `.gltf` names as its buffers, by the name used there.
-pub(super) type Beside = BTreeMap<String, Vec<u8>>;
+pub(super) type SiblingFiles = BTreeMap<String, Vec<u8>>;
 
 /// An unparsed mesh file in memory, with the buffers beside a `.gltf`.
 ///
@@ -18,7 +18,7 @@ pub struct MeshBytes {
     name: String,
     format: Format,
     bytes: Vec<u8>,
-    beside: Beside,
+    beside: SiblingFiles,
 }
 
 impl MeshBytes {
@@ -34,7 +34,7 @@ impl MeshBytes {
         let format = detect_format(&bytes, &name)?;
         let beside = match (format, path.parent()) {
             (Format::Gltf, Some(folder)) => gltf::load_beside(&bytes, folder)?,
-            _ => Beside::new(),
+            _ => SiblingFiles::new(),
         };
         Ok(Self { name, format, bytes, beside })
     }

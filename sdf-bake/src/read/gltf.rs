@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3, Vec4};
 use gltf_crate::mesh::Mode;
 use gltf_crate::{Document, Gltf, Node, Semantic};
 
-use super::bytes::Beside;
+use super::bytes::SiblingFiles;
 use super::{Format, ReadError, Surface};
 use files::input::without_content;
 
@@ -23,7 +23,7 @@ const MAX_DEPTH: usize = 256;
 /// small file.
 const FREE_TRIANGLES: usize = 4_000_000;
 
-pub(super) fn read(bytes: &[u8], beside: &Beside) -> Result<Surface, ReadError> {
+pub(super) fn read(bytes: &[u8], beside: &SiblingFiles) -> Result<Surface, ReadError> {
     let Gltf { document, blob } = open(bytes)?;
     let buffers = buffers::gather(&document, blob.as_deref(), beside)?;
     let most_triangles = FREE_TRIANGLES + bytes.len() + buffers.iter().map(|buffer| buffer.len()).sum::<usize>();
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], beside: &Beside) -> Result<Surface, ReadError> 
 }
 
 /// Loads the files beside a glTF that it names as its buffers.
-pub(super) fn load_beside(bytes: &[u8], folder: &Path) -> Result<Beside, ReadError> {
+pub(super) fn load_beside(bytes: &[u8], folder: &Path) -> Result<SiblingFiles, ReadError> {
     buffers::load_beside(&open(bytes)?.document, folder)
 }
 

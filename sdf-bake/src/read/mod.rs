@@ -25,8 +25,8 @@ mod polygon;
 mod stl;
 mod unit;
 
-use bytes::Beside;
 pub use bytes::MeshBytes;
+use bytes::SiblingFiles;
 pub use error::ReadError;
 pub use unit::{Unit, UnitChoice};
 
@@ -94,7 +94,7 @@ pub fn read_mesh(path: &Path, unit: UnitChoice) -> Result<MeshFile, ReadError> {
 ///
 /// `name` is the file name, which may state the unit. External buffers of a `.gltf` are rejected.
 pub fn parse_mesh(bytes: &[u8], format: Format, unit: UnitChoice, name: &str) -> Result<MeshFile, ReadError> {
-    parse(bytes, format, unit, &Surroundings { name, beside: &Beside::new() })
+    parse(bytes, format, unit, &Surroundings { name, beside: &SiblingFiles::new() })
 }
 
 /// Inputs to a mesh besides its file's content.
@@ -102,7 +102,7 @@ struct Surroundings<'a> {
     /// File name.
     name: &'a str,
     /// Buffers of a `.gltf`.
-    beside: &'a Beside,
+    beside: &'a SiblingFiles,
 }
 
 fn parse(bytes: &[u8], format: Format, choice: UnitChoice, around: &Surroundings) -> Result<MeshFile, ReadError> {

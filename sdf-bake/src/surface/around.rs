@@ -20,7 +20,7 @@ const REACH: usize = 4;
 const TYPICAL: usize = 256;
 
 /// The voxels of a brick and around it; their tangents are computed on first use.
-pub(super) struct Known<'a> {
+pub(super) struct BrickSurroundings<'a> {
     grid: &'a BrickGrid,
     /// Inset from [`super::settle::inset`].
     pub(super) inset: f64,
@@ -32,7 +32,7 @@ pub(super) struct Known<'a> {
     tangents: RefCell<Vec<Option<Tangent>>>,
 }
 
-impl<'a> Known<'a> {
+impl<'a> BrickSurroundings<'a> {
     pub(super) fn of(grid: &'a BrickGrid, brick: IVec3, inset: f64) -> Self {
         let halo = grid.halo(brick, REACH);
         let place = RefCell::new(vec![0; halo.phi.len()]);
@@ -64,13 +64,13 @@ impl<'a> Known<'a> {
 }
 
 /// A cell with the voxels around it.
-pub(super) struct Around<'a> {
-    pub(super) known: &'a Known<'a>,
+pub(super) struct CellSurroundings<'a> {
+    pub(super) known: &'a BrickSurroundings<'a>,
     /// Lowest corner of the cell [voxels from the brick's first].
     pub(super) low: IVec3,
 }
 
-impl Around<'_> {
+impl CellSurroundings<'_> {
     /// Returns the vertex of the piece with these crossed edges.
     pub(super) fn vertex(&self, edges: impl Iterator<Item = usize> + Clone) -> Vertex {
         let ends = edges.clone().map(edge_ends).fold(0u8, |bits, (low, high)| bits | 1 << low | 1 << high);

@@ -3,7 +3,7 @@
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 
-use super::around::{Around, Known};
+use super::around::{BrickSurroundings, CellSurroundings};
 use super::cell::{NO_PIECE, Pieces, PiecesOf, Signs, middle_of_edges};
 use super::place::{Shape, outside_by};
 use super::settle::keep_apart;
@@ -219,7 +219,7 @@ impl CellMap {
     /// cells.
     pub(super) fn vertices(&self, grid: &BrickGrid, inset: f64) -> Vec<Corner> {
         let of_brick = |brick: &Brick| {
-            let known = Known::of(grid, brick.at, inset);
+            let known = BrickSurroundings::of(grid, brick.at, inset);
             let mut vertices = Vec::new();
             brick.cells.iter().for_each(|cell| cell_vertices(brick, cell, &known, &mut vertices));
             vertices
@@ -228,11 +228,11 @@ impl CellMap {
     }
 }
 
-fn cell_vertices(brick: &Brick, cell: &Cell, known: &Known, vertices: &mut Vec<Corner>) {
+fn cell_vertices(brick: &Brick, cell: &Cell, known: &BrickSurroundings, vertices: &mut Vec<Corner>) {
     let low = voxel_at(IVec3::ZERO, usize::from(cell.offset));
     let voxel = brick.voxel(cell);
     let edges_of = |piece: u8| (0..12).filter(move |&edge| cell.pieces[edge] == piece);
-    let around = Around { known, low };
+    let around = CellSurroundings { known, low };
     let first = vertices.len();
     for piece in 0..cell.piece_count {
         let vertex = around.vertex(edges_of(piece));

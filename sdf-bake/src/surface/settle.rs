@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::around::Around;
+use super::around::CellSurroundings;
 use super::cells::{CellMap, Corner};
 use super::triangles::{Quad, Split};
 use crate::grid::{BRICK_SIDE, BrickGrid, cell_corner};
@@ -149,7 +149,7 @@ impl Settling<'_> {
 /// Separates the homes of a cell's vertices if two coincide: moves them onto φ = 0, and from there towards the centres
 /// of their pieces, as little as necessary. Centres of two pieces are at least 0.3 voxels apart, so two homes move less
 /// than 2 insets / 0.3 of that distance.
-pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], around: &Around) {
+pub(super) fn keep_apart(vertices: &mut [Corner], middles: &[DVec3], around: &CellSurroundings) {
     let inset = around.known.inset;
     let are_apart = |homes: &[DVec3]| {
         (0..homes.len()).all(|i| homes[..i].iter().all(|home| (*home - homes[i]).abs().max_element() >= inset))

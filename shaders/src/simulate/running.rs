@@ -1,8 +1,8 @@
 //! A batch in progress: submissions, reallocation, and read-back of the results.
 
 use super::{
-    Chunk, DeviceFault, Remains, Rooms, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE,
-    SimulateError, TrialState, WORD, binding_entry, check, entries, lay_out, mib, read, sizes, zeros,
+    Chunk, DeviceFault, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE, SimulateError,
+    TrialCapacity, TrialResults, TrialState, WORD, binding_entry, check, entries, lay_out, mib, read, sizes, zeros,
 };
 use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, INSIDE};
 use crate::layout::{LogRecord, TrialSetup};
@@ -17,12 +17,12 @@ impl Running<'_> {
     }
 
     /// Current memory of each trial.
-    pub fn rooms(&self) -> Rooms {
-        self.rooms
+    pub fn capacity(&self) -> TrialCapacity {
+        self.capacity
     }
 
-    /// Runs one submission: [`Rooms::ticks`] phases of each trial, without read-back in between. Then allocates more
-    /// memory if a trial needs it.
+    /// Runs one submission: [`TrialCapacity::ticks`] phases of each trial, without read-back in between. Then allocates
+    /// more memory if a trial needs it.
     ///
     /// # Errors
     /// [`SimulateError::TooLarge`] if no more memory can be allocated, [`SimulateError::Device`] if the device fails.
@@ -63,7 +63,7 @@ impl Running<'_> {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("simulate"), timestamp_writes: None });
             pass.set_bind_group(0, &bindings, &[]);
-            for pipeline in (0..self.rooms.ticks).flat_map(|_| &self.simulator.kernels.pipelines) {
+            for pipeline in (0..self.capacity.ticks).flat_map(|_| &self.simulator.kernels.pipelines) {
                 pass.set_pipeline(pipeline);
                 pass.dispatch_workgroups(self.setups.len() as u32, 1, 1);
             }
@@ -77,15 +77,15 @@ impl Running<'_> {
     /// Allocates memory for the trials that stopped for lack of it, and resumes them.
     fn make_room(&mut self, states: &[TrialState]) -> Result<(), SimulateError> {
         let needed = |status: u32| states.iter().filter(|state| state.status == status).map(|state| state.needed).max();
-        let mut rooms = self.rooms;
+        let mut capacity = self.capacity;
         if let Some(bricks) = needed(STATUS_NEEDS_BRICKS) {
-            rooms.bricks = bricks.max(2 * rooms.bricks);
+            capacity.bricks = bricks.max(2 * capacity.bricks);
         }
         if let Some(lines) = needed(STATUS_NEEDS_COLUMNS) {
-            rooms.lines = lines.max(rooms.lines + rooms.lines / 4);
+            capacity.lines = lines.max(capacity.lines + capacity.lines / 4);
         }
-        if rooms != self.rooms {
-            self.move_into(rooms)?;
+        if capacity != self.capacity {
+            self.move_into(capacity)?;
         }
         let stands = |state: &TrialState| matches!(state.status, STATUS_NEEDS_BRICKS | STATUS_NEEDS_COLUMNS);
         for trial in (0..states.len()).filter(|&trial| stands(&states[trial])) {
@@ -97,12 +97,12 @@ impl Running<'_> {
     }
 
     /// Moves all trials into buffers of another size.
-    fn move_into(&mut self, rooms: Rooms) -> Result<(), SimulateError> {
+    fn move_into(&mut self, capacity: TrialCapacity) -> Result<(), SimulateError> {
         let mut setups = self.setups.clone();
-        lay_out(&mut setups, rooms, self.shared, self.values_each);
+        lay_out(&mut setups, capacity, self.shared, self.values_each);
         let device = self.simulator.device;
-        check(device, (&setups, &self.header), rooms, self.shared)?;
-        let size = sizes(&setups, &self.header, rooms, self.shared);
+        check(device, (&setups, &self.header), capacity, self.shared)?;
+        let size = sizes(&setups, &self.header, capacity, self.shared);
         let brick = u64::from(self.header.planes) * u64::from(BRICK_VOXELS);
         let pairs = || self.setups.iter().zip(&setups);
         let mut bricks = vec![(0, 0, self.shared * brick)];
@@ -137,7 +137,7 @@ impl Running<'_> {
             device.queue.write_buffer(&buffers.setups, 0, bytemuck::cast_slice(&setups));
             device.queue.submit([encoder.finish()]);
         })?;
-        (self.setups, self.rooms) = (setups, rooms);
+        (self.setups, self.capacity) = (setups, capacity);
         Ok(())
     }
 
@@ -145,7 +145,7 @@ impl Running<'_> {
     ///
     /// # Errors
     /// The device's fault.
-    pub fn remains(&self) -> Result<Vec<Remains>, DeviceFault> {
+    pub fn remains(&self) -> Result<Vec<TrialResults>, DeviceFault> {
         let device = self.simulator.device;
         let index: Vec<u32> = self.read_all("reading the brick indices back", &self.buffers.index)?;
         let values: Vec<f32> = self.read_all("reading the values back", &self.buffers.values)?;
@@ -171,7 +171,7 @@ impl Running<'_> {
                 read(device, during, &staged)?
             };
             let values = values[trial * self.values_each..(trial + 1) * self.values_each].to_vec();
-            Ok(Remains { index: own_index, bricks, values })
+            Ok(TrialResults { index: own_index, bricks, values })
         });
         each.collect()
     }

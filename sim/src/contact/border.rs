@@ -49,7 +49,7 @@ impl SheetFrame {
 #[derive(Clone, Copy)]
 pub(super) struct Cover {
     pub(super) share: f64,
-    /// As in [`super::Squares::lag`].
+    /// As in [`super::ContactCells::lag`].
     pub(super) lag: f64,
 }
 

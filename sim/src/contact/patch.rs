@@ -16,9 +16,9 @@ const HALVINGS: u32 = 4;
 /// depth in the sub-cell counts as quadratic.
 const QUADRATIC: f64 = 0.01;
 /// Steps that move a point outside the working surface to its border; each leaves an error of the square of the tilt.
-const PULLS: usize = 3;
+const BORDER_STEPS: usize = 3;
 /// Tolerances: distance outside the border, and distance beyond the cell [pitches].
-const PULLED: (f64, f64) = (1e-6, 0.1);
+const BORDER_TOLERANCES: (f64, f64) = (1e-6, 0.1);
 
 /// The cell of a column.
 pub(super) struct Patch<'a> {
@@ -40,7 +40,7 @@ pub(super) struct Patch<'a> {
 
 /// Depth and border distance of a point under the tool [m].
 #[derive(Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct PointDepth {
     pub(super) depth: f64,
     /// Distance inside the border of the working surface, negative outside.
     pub(super) within: f64,
@@ -51,7 +51,7 @@ pub(super) struct Look {
 struct Cell {
     middle: [f64; 2],
     side: f64,
-    look: Look,
+    look: PointDepth,
     /// Half of the change of the depth, and of the distance inside the border, across the sub-cell [m].
     spans: [(f64, f64); 2],
 }
@@ -86,9 +86,9 @@ impl<'a> Patch<'a> {
         self.column + DVec3::new(u * self.pitch, v * self.pitch, along.mean * u + sideways.mean * v + bent)
     }
 
-    pub(super) fn look(&self, at: [f64; 2]) -> Look {
+    pub(super) fn look(&self, at: [f64; 2]) -> PointDepth {
         let at = self.frame.local(self.point(at));
-        Look { depth: self.tool.depth(at) + self.shift, within: self.tool.within(at) }
+        PointDepth { depth: self.tool.depth(at) + self.shift, within: self.tool.within(at) }
     }
 
     /// Mean over the cell of the positive part of the depth [m], and the share of the cell where it is positive.
@@ -124,7 +124,7 @@ impl<'a> Patch<'a> {
         let middles = [[-off, -off], [-off, off], [off, -off], [off, off]];
         let middles = middles.map(|[u, v]| [cell.middle[0] + u, cell.middle[1] + v]);
         let looks = middles.map(|at| self.look(at));
-        let spans = |value: fn(&Look) -> f64| {
+        let spans = |value: fn(&PointDepth) -> f64| {
             let [a, b, c, d] = looks.each_ref().map(value);
             (0.25 * ((c + d) - (a + b)).abs(), 0.25 * ((b + d) - (a + c)).abs())
         };
@@ -163,7 +163,7 @@ impl<'a> Patch<'a> {
 
     /// Depth [m] at a position, or at the nearest position on the border if it lies outside the working surface.
     fn depth_inside(&self, mut at: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        for _ in 0..PULLS {
+        for _ in 0..BORDER_STEPS {
             let place = self.frame.local(self.point(at));
             let within = self.tool.within(place);
             if within >= 0.0 {
@@ -176,7 +176,8 @@ impl<'a> Patch<'a> {
             at = [at[0] - inward.x * within / self.pitch, at[1] - inward.y * within / self.pitch];
         }
         let look = self.look(at);
-        let is_near = look.within >= -PULLED.0 * self.pitch && at.iter().all(|place| place.abs() <= 0.5 + PULLED.1);
+        let is_near = look.within >= -BORDER_TOLERANCES.0 * self.pitch
+            && at.iter().all(|place| place.abs() <= 0.5 + BORDER_TOLERANCES.1);
         is_near.then_some((look.depth, at))
     }
 }

@@ -6,13 +6,13 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{Border, Squares};
+use super::{Border, ContactCells};
 use crate::region::Region;
 use crate::sheet::Sheet;
 use robot::{Shape, Tool};
 
 /// Value of a share that has to be measured individually.
-pub(super) const UNSETTLED: f64 = -1.0;
+pub(super) const UNRESOLVED: f64 = -1.0;
 /// Travel of a tool for which every cell must keep its state before the update without settling is allowed [voxels].
 const STEADY: f64 = 0.05;
 
@@ -45,7 +45,7 @@ fn local(border: &Border, sheet: &Sheet, lines: &Range<usize>) -> impl Iterator<
 pub(super) struct Depths<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
-    pub(super) squares: &'a mut Squares,
+    pub(super) contact_cells: &'a mut ContactCells,
 }
 
 impl pulp::NullaryFnOnce for Depths<'_> {
@@ -53,8 +53,8 @@ impl pulp::NullaryFnOnce for Depths<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, squares } = self;
-        let Squares { region, columns, depth, .. } = squares;
+        let Self { border, sheet, contact_cells } = self;
+        let ContactCells { region, columns, depth, .. } = contact_cells;
         for lines in rows_around(region, columns, sheet.window.size[1]) {
             let places = local(border, sheet, &lines);
             let depths = depth[lines.clone()].iter_mut().zip(places);
@@ -79,12 +79,12 @@ impl pulp::NullaryFnOnce for Depths<'_> {
     }
 }
 
-/// Computes the share of each cell under the working surface, [`UNSETTLED`] where a wheel's border may cross it; in a
+/// Computes the share of each cell under the working surface, [`UNRESOLVED`] where a wheel's border may cross it; in a
 /// sweep also the lag.
 pub(super) struct Covers<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
-    pub(super) squares: &'a mut Squares,
+    pub(super) contact_cells: &'a mut ContactCells,
 }
 
 impl pulp::NullaryFnOnce for Covers<'_> {
@@ -92,15 +92,15 @@ impl pulp::NullaryFnOnce for Covers<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, squares } = self;
-        for (row, columns) in squares.region.rows.clone().zip(&squares.columns) {
+        let Self { border, sheet, contact_cells } = self;
+        for (row, columns) in contact_cells.region.rows.clone().zip(&contact_cells.columns) {
             let first = row * sheet.window.size[1];
             let lines = first + columns.start..first + columns.end;
             if lines.is_empty() {
                 continue;
             }
-            let lag = squares.lag.get_mut(lines.clone()).unwrap_or_default();
-            cover_row(border, sheet, &lines, (&mut squares.cover[lines.clone()], lag));
+            let lag = contact_cells.lag.get_mut(lines.clone()).unwrap_or_default();
+            cover_row(border, sheet, &lines, (&mut contact_cells.cover[lines.clone()], lag));
         }
     }
 }
@@ -112,20 +112,20 @@ fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
         Tool::Wheel(wheel) => {
             for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
                 let within = wheel.within(at);
-                let beside = if within <= -border.near { 0.0 } else { UNSETTLED };
+                let beside = if within <= -border.near { 0.0 } else { UNRESOLVED };
                 *cover = if within >= border.near { 1.0 } else { beside };
             }
         }
         Tool::Pad(_) => {
             for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
                 let square = at.x * at.x + at.y * at.y;
-                let beside = if square >= border.ring.1 { 0.0 } else { UNSETTLED };
+                let beside = if square >= border.ring.1 { 0.0 } else { UNRESOLVED };
                 *cover = if square <= border.ring.0 { 1.0 } else { beside };
             }
             let mut place = 0;
-            for part in cover.chunk_by_mut(|one, next| (*one == UNSETTLED) == (*next == UNSETTLED)) {
+            for part in cover.chunk_by_mut(|one, next| (*one == UNRESOLVED) == (*next == UNRESOLVED)) {
                 let places = place..place + part.len();
-                if part[0] == UNSETTLED {
+                if part[0] == UNRESOLVED {
                     let lag = lag.get_mut(places.clone()).unwrap_or_default();
                     cross_row(border, sheet, &(lines.start + place..lines.start + places.end), (part, lag));
                 }
@@ -139,49 +139,49 @@ fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
 /// Cover of cells that the border of a pad may cross.
 #[inline(always)]
 fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
-    let squares = local(border, sheet, lines).zip(&sheet.slope[lines.clone()]);
+    let contact_cells = local(border, sheet, lines).zip(&sheet.slope[lines.clone()]);
     if lag.is_empty() {
-        for (share, (at, slope)) in cover.iter_mut().zip(squares) {
+        for (share, (at, slope)) in cover.iter_mut().zip(contact_cells) {
             *share = border.disc_cover(at, *slope, sheet.pitch).share;
         }
         return;
     }
-    for ((share, lag), (at, slope)) in cover.iter_mut().zip(lag).zip(squares) {
+    for ((share, lag), (at, slope)) in cover.iter_mut().zip(lag).zip(contact_cells) {
         let cover = border.disc_cover(at, *slope, sheet.pitch);
         (*share, *lag) = (cover.share, cover.lag);
     }
 }
 
-/// Settles the cells that are entirely in or entirely out of contact; the others get [`UNSETTLED`] as their share.
-pub(super) struct Settle<'a> {
+/// Settles the cells that are entirely in or entirely out of contact; the others get [`UNRESOLVED`] as their share.
+pub(super) struct ClassifyCells<'a> {
     pub(super) border: &'a Border<'a>,
     pub(super) sheet: &'a Sheet,
-    pub(super) squares: &'a mut Squares,
+    pub(super) contact_cells: &'a mut ContactCells,
 }
 
-impl pulp::NullaryFnOnce for Settle<'_> {
+impl pulp::NullaryFnOnce for ClassifyCells<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, squares } = self;
+        let Self { border, sheet, contact_cells } = self;
         let (across, mut is_steady) = (sheet.window.size[1], true);
-        for (place, row) in squares.region.rows.clone().enumerate() {
-            let columns = &squares.columns[place];
+        for (place, row) in contact_cells.region.rows.clone().enumerate() {
+            let columns = &contact_cells.columns[place];
             let (first, count) = (row * across + columns.start, columns.len());
-            is_steady &= if squares.lag.is_empty() {
-                settle_row(squares, (first, count), (across, sheet.pitch), (0.0, |_| 0.0))
+            is_steady &= if contact_cells.lag.is_empty() {
+                settle_row(contact_cells, (first, count), (across, sheet.pitch), (0.0, |_| 0.0))
             } else {
-                let lag = std::mem::take(&mut squares.lag);
+                let lag = std::mem::take(&mut contact_cells.lag);
                 let row = &lag[first..first + count];
                 let sinking = |i: usize| border.sinking * row[i];
                 let row_is_steady =
-                    settle_row(squares, (first, count), (across, sheet.pitch), (border.sunk(), sinking));
-                squares.lag = lag;
+                    settle_row(contact_cells, (first, count), (across, sheet.pitch), (border.sunk(), sinking));
+                contact_cells.lag = lag;
                 row_is_steady
             };
         }
-        squares.room = if is_steady { STEADY * sheet.pitch } else { 0.0 };
+        contact_cells.room = if is_steady { STEADY * sheet.pitch } else { 0.0 };
     }
 }
 
@@ -190,17 +190,17 @@ impl pulp::NullaryFnOnce for Settle<'_> {
 /// [`STEADY`].
 #[inline(always)]
 fn settle_row(
-    squares: &mut Squares,
+    contact_cells: &mut ContactCells,
     (first, count): (usize, usize),
     (across, pitch): (usize, f64),
     (sunk, sinking): (f64, impl Fn(usize) -> f64),
 ) -> bool {
-    let from = |line: usize| &squares.depth[line..line + count];
+    let from = |line: usize| &contact_cells.depth[line..line + count];
     let (here, before, after) = (from(first), from(first - across), from(first + across));
     let (left, right) = (from(first - 1), from(first + 1));
     let lines = first..first + count;
-    let (covers, means) = (&squares.cover[lines.clone()], &mut squares.mean_depth[lines.clone()]);
-    let (shares, areas) = (&mut squares.share[lines.clone()], &mut squares.area[lines]);
+    let (covers, means) = (&contact_cells.cover[lines.clone()], &mut contact_cells.mean_depth[lines.clone()]);
+    let (shares, areas) = (&mut contact_cells.share[lines.clone()], &mut contact_cells.area[lines]);
     let (wall, room) = (2.0 * pitch, STEADY * pitch);
     let mut is_steady = true;
     for i in 0..count {
@@ -219,7 +219,7 @@ fn settle_row(
         let is_full = (cover > 0.0) & is_whole & (swept_depth >= span) & (mean > 0.0) & !is_dry;
         means[i] = if is_full { cover * mean } else { 0.0 };
         areas[i] = if is_full { cover } else { 0.0 };
-        shares[i] = if is_full | is_dry { areas[i] } else { UNSETTLED };
+        shares[i] = if is_full | is_dry { areas[i] } else { UNRESOLVED };
         let stays_full = is_full & (swept_depth >= span + room) & (mean > room);
         is_steady &= (cover == 0.0) | stays_full | (swept_depth <= dry_at - room);
     }

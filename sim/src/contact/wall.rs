@@ -5,12 +5,12 @@
 //! them is the difference, at the column, of two surfaces continued linearly: the one beside the wheel and the one
 //! under it. On a smooth surface that difference is third order in the pitch.
 
-use super::{Border, Squares};
+use super::{Border, ContactCells};
 use crate::region::Region;
 use crate::sheet::Sheet;
 use robot::Tool;
 
-impl Squares {
+impl ContactCells {
     /// Removes the side face from the depths of the cells that a wheel's border crosses and of their neighbours.
     pub(super) fn leave_walls(&mut self, border: &Border, sheet: &Sheet) {
         if !matches!(border.tool, Tool::Wheel(_)) {

@@ -11,7 +11,7 @@ use shaders::constants::{
     FAULT_TOOL_STATE, STATUS_DONE, STATUS_FORMULA, STATUS_TOO_MANY_STEPS,
 };
 use shaders::layout::{RunHeader, TrialState};
-use shaders::simulate::{Batch, Remains, Rooms, Running, SimulateError, Simulator};
+use shaders::simulate::{Batch, Running, SimulateError, Simulator, TrialCapacity, TrialResults};
 
 use super::setup::time_of;
 use super::{GpuError, readback, refusal, setup};
@@ -19,7 +19,7 @@ use crate::measured::Readings;
 use crate::pass::Progress;
 use crate::physics::Physics;
 use crate::record::PassRecord;
-use crate::scheme::{Pace, scheme_of};
+use crate::scheme::{StepLimits, scheme_of};
 use crate::settings::{Pass, PassError};
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, Hook, Reset, States};
@@ -50,14 +50,14 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Initial memory of each trial; it grows if needed.
-    pub rooms: Rooms,
+    pub capacity: TrialCapacity,
     /// Maximum number of trials in one submission.
     pub most_trials: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rooms: Rooms::default(), most_trials: 4096 }
+        Self { capacity: TrialCapacity::default(), most_trials: 4096 }
     }
 }
 
@@ -103,7 +103,7 @@ pub fn run_batch(
         let mut rest = group.as_slice();
         while !rest.is_empty() {
             let (now, later) = rest.split_at(size.min(rest.len()));
-            match run_group(device, &model, now, settings.rooms, progress) {
+            match run_group(device, &model, now, settings.capacity, progress) {
                 Err(error) if now.len() > 1 && error.is_for_want_of_room() && device.loss().is_none() => {
                     size = now.len() / 2;
                     continue;
@@ -127,7 +127,7 @@ struct Ready<'a> {
     trial: Trial<'a>,
     states: States,
     setup: shaders::layout::TrialSetup,
-    pace: Pace,
+    step_limits: StepLimits,
     sands: bool,
     keeps_removed: bool,
 }
@@ -143,9 +143,9 @@ impl<'a> Ready<'a> {
         states.reset(pass.model, Reset::Pass);
         Readings::new(pass.model, pass.measured).set_states(pass.model, 0.0, &mut states);
         let physics = Physics::new(pass.model, &mut states, pass.settings.coating);
-        let (setup, pace) = setup::setup(part, &pass, &physics, scheme_of(&physics).as_ref())?;
+        let (setup, step_limits) = setup::setup(part, &pass, &physics, scheme_of(&physics).as_ref())?;
         let (sands, keeps_removed) = (physics.sands(), physics.keeps_removed());
-        Ok((model, Self { number, trial, states, setup, pace, sands, keeps_removed }))
+        Ok((model, Self { number, trial, states, setup, step_limits, sands, keeps_removed }))
     }
 }
 
@@ -191,7 +191,7 @@ fn batch(group: &[Ready], model: &DeviceModel) -> Batch {
             }
         };
         let path_first = batch.path.len() as u32;
-        batch.path.extend(setup::path(&pass, part.voxel, &ready.pace));
+        batch.path.extend(setup::path(&pass, part.voxel, &ready.step_limits));
         let mut setup = ready.setup;
         (setup.first_brick, setup.shared_bricks) = (first_brick, part.brick_count() as u32);
         (setup.path_first, setup.path_pieces) = (path_first, batch.path.len() as u32 - path_first - 1);
@@ -230,11 +230,11 @@ fn run_group(
     device: &Device,
     model: &DeviceModel,
     group: &[Ready],
-    rooms: Rooms,
+    capacity: TrialCapacity,
     progress: &mut dyn FnMut(usize, Progress),
 ) -> Result<Vec<Outcome>, SimulateError> {
     let simulator = Simulator::new(device, &model.text)?;
-    let mut running = simulator.load(batch(group, model), rooms)?;
+    let mut running = simulator.load(batch(group, model), capacity)?;
     let header = header(group);
     let mut records = vec![PassRecord::default(); group.len()];
     let states = loop {
@@ -285,7 +285,7 @@ fn outcomes(
         .collect())
 }
 
-fn changed_part(ready: &Ready, remains: &Remains, at: (&shaders::layout::TrialSetup, &RunHeader)) -> BrickGrid {
+fn changed_part(ready: &Ready, remains: &TrialResults, at: (&shaders::layout::TrialSetup, &RunHeader)) -> BrickGrid {
     let mut part = ready.trial.part.clone();
     if ready.sands {
         part.scalar_or_zero(Scalar::Dose);

@@ -5,7 +5,7 @@ use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE};
 use shaders::layout::{LogRecord, RunHeader, TrialSetup};
-use shaders::simulate::Remains;
+use shaders::simulate::TrialResults;
 
 use super::setup::time_of;
 use crate::contact::Contact;
@@ -15,7 +15,7 @@ use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, States};
 
 /// Copies the bricks that a trial changed into its field.
-pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &Remains, (setup, header): (&TrialSetup, &RunHeader)) {
+pub(super) fn write_bricks(grid: &mut BrickGrid, remains: &TrialResults, (setup, header): (&TrialSetup, &RunHeader)) {
     let planes = header.planes as usize;
     for (entry, &slot) in remains.index.iter().enumerate() {
         if slot < setup.shared_bricks || slot >= INSIDE {

@@ -12,7 +12,7 @@ use shaders::layout::{PathPiece, TrialSetup, TrialState};
 use crate::measured::Readings;
 use crate::path::PathSample;
 use crate::physics::Physics;
-use crate::scheme::{Pace, Scheme};
+use crate::scheme::{Scheme, StepLimits};
 use crate::settings::{LONGEST_STEP, Pass, PassError};
 use crate::tool_cells::ToolCells;
 use effects::{DeviceModel, States, StepValues, Variable};
@@ -40,10 +40,10 @@ fn four(v: DVec3, last: f64) -> [f32; 4] {
 }
 
 /// The path in straight segments, and its end.
-pub(super) fn path(pass: &Pass, voxel: f64, pace: &Pace) -> Vec<PathPiece> {
+pub(super) fn path(pass: &Pass, voxel: f64, step_limits: &StepLimits) -> Vec<PathPiece> {
     let samples = pass.path.samples();
     let mut pieces = Vec::new();
-    for (pair, &longest_step) in samples.windows(2).zip(&pace.longest_steps) {
+    for (pair, &longest_step) in samples.windows(2).zip(&step_limits.longest_steps) {
         let (a, b) = (&pair[0], &pair[1]);
         let count = ((b.position - a.position).length() / (PIECE * voxel)).ceil().max(1.0);
         let velocity = (b.position - a.position) / (b.time - a.time) / voxel;
@@ -85,7 +85,7 @@ pub(super) fn setup(
     pass: &Pass,
     physics: &Physics,
     scheme: &dyn Scheme,
-) -> Result<(TrialSetup, Pace), PassError> {
+) -> Result<(TrialSetup, StepLimits), PassError> {
     pass.settings.check(grid, pass.tool)?;
     let voxel = grid.voxel;
     let in_voxels = |length: f64| (length / voxel) as f32;
@@ -104,8 +104,8 @@ pub(super) fn setup(
     place_controller(&mut setup, settings.controller, voxel);
     setup.force_setpoint = settings.force_setpoint as f32;
     setup.spindle_speed = settings.spindle_speed as f32;
-    let pace = scheme.pace(pass, voxel);
-    (setup.step_way, setup.commit_way) = (in_voxels(pace.step_way), in_voxels(pace.sheet_way));
+    let step_limits = scheme.step_limits(pass, voxel);
+    (setup.step_way, setup.commit_way) = (in_voxels(step_limits.step_way), in_voxels(step_limits.sheet_way));
     setup.search_reach = in_voxels(settings.search_reach);
     setup.coating = settings.coating as f32;
     let longest_step = settings.longest_step(pass.model)?;
@@ -120,7 +120,7 @@ pub(super) fn setup(
     (setup.duration_blocks, setup.duration_rest) = clock(pass.path.duration());
     setup.trial_time = pass.trial_time as f32;
     setup.path_length = pass.path.length() as f32;
-    Ok((setup, pace))
+    Ok((setup, step_limits))
 }
 
 fn place_tool(setup: &mut TrialSetup, tool: &Tool, voxel: f64) {

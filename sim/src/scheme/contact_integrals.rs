@@ -2,16 +2,16 @@
 
 use glam::DVec3;
 
-use super::contact_state::{End, Side};
+use super::contact_state::{ContactState, Side};
 use super::lanes::{Bounds, PARTS, dot};
-use crate::contact::{Contact, Peak, SheetFrame};
+use crate::contact::{Contact, DeepestPoint, SheetFrame};
 use crate::covariates::Square;
 use crate::extent::Extent;
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::sheet::Sheet;
-use crate::tool_cells::{CellSums, ToolCells, Under};
+use crate::tool_cells::{CellLoad, CellSums, ToolCells};
 use effects::Variable;
 use sdf_bake::simd::in_wide_lanes;
 
@@ -94,7 +94,7 @@ impl ContactStep<'_> {
         for Run { lines, lanes } in self.lines.runs() {
             load += dot(&self.mean_load[lanes.clone()], &sheet.area_ratios()[lines.clone()]);
             let facing = &self.facing[lanes.clone()];
-            let of = |side: &Side| dot(&side.squares.area[lines.clone()], facing);
+            let of = |side: &Side| dot(&side.contact_cells.area[lines.clone()], facing);
             area += 0.5 * (of(self.start) + of(self.end));
         }
         (load * (sheet.pitch * sheet.pitch), area)
@@ -103,7 +103,7 @@ impl ContactStep<'_> {
     /// Highest pressure [Pa]. A lane's pressure belongs to the cell's mean depth; the cell's middle may be deeper.
     #[inline(always)]
     fn pressure_max(&self, sheet: &Sheet) -> f64 {
-        let Side { lanes: start, squares, .. } = self.start;
+        let Side { lanes: start, contact_cells, .. } = self.start;
         let mut highest = 0.0f64;
         for Run { lines: run, lanes } in self.lines.runs() {
             for first in (0..run.len()).step_by(LOOKED_AT) {
@@ -111,11 +111,11 @@ impl ContactStep<'_> {
                 let lanes = lanes.start + places.start..lanes.start + places.end;
                 let lines = run.start + places.start..run.start + places.end;
                 let lanes_of = (&start.pressure[lanes.clone()], &start.depth[lanes.clone()]);
-                if !squares.may_exceed(highest, lanes_of, lines.clone(), sheet) {
+                if !contact_cells.may_exceed(highest, lanes_of, lines.clone(), sheet) {
                     continue;
                 }
                 for (line, lane) in lines.zip(lanes).filter(|(_, lane)| start.share[*lane] > 0.0) {
-                    let peak = (squares.top(sheet, line) / start.depth[lane]).max(1.0);
+                    let peak = (contact_cells.top(sheet, line) / start.depth[lane]).max(1.0);
                     highest = highest.max(start.pressure[lane] * peak);
                 }
             }
@@ -125,23 +125,25 @@ impl ContactStep<'_> {
 
     /// Highest pressure [Pa] at the start of the step: the highest at a cell's mean depth, or that at the deepest
     /// point, scaled by the ratio of the depths.
-    pub(crate) fn pressure_to(&self, peak: Option<&Peak>) -> f64 {
+    pub(crate) fn pressure_to(&self, peak: Option<&DeepestPoint>) -> f64 {
         let start = &self.start.lanes;
         let wet = |lane: &usize| start.share[*lane] > 0.0;
         let highest = (0..self.lines.len()).filter(wet).map(|lane| start.pressure[lane]).fold(0.0, f64::max);
-        let lane_of = |peak: &Peak| self.lines.list().iter().position(|&line| line as usize == peak.line).filter(wet);
-        let at = |peak: &Peak| lane_of(peak).map(|lane| start.pressure[lane] * (peak.depth / start.depth[lane]));
+        let lane_of =
+            |peak: &DeepestPoint| self.lines.list().iter().position(|&line| line as usize == peak.line).filter(wet);
+        let at =
+            |peak: &DeepestPoint| lane_of(peak).map(|lane| start.pressure[lane] * (peak.depth / start.depth[lane]));
         peak.and_then(at).map_or(highest, |pressure| highest.max(pressure))
     }
 
     /// The deepest point under the working surface at the start of the step; `None` where there is no surface.
-    pub(crate) fn start_peak(&self, place: &Placement, sheet: &Sheet) -> Option<Peak> {
-        self.start.squares.peak(place, sheet)
+    pub(crate) fn start_peak(&self, place: &Placement, sheet: &Sheet) -> Option<DeepestPoint> {
+        self.start.contact_cells.peak(place, sheet)
     }
 
     /// Extent of the contact at the end of the step, up to its rim; `None` without contact.
     pub(crate) fn patch(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
-        self.end.squares.extent(place, sheet)
+        self.end.contact_cells.extent(place, sheet)
     }
 
     /// Moment of the mean force about the tool's reference point [N m].
@@ -156,7 +158,7 @@ impl ContactStep<'_> {
     }
 
     /// Results of the step for each cell in contact.
-    pub(crate) fn squares(&self) -> impl Iterator<Item = Square> {
+    pub(crate) fn contact_cells(&self) -> impl Iterator<Item = Square> {
         self.lines.list().iter().enumerate().map(|(lane, &line)| Square {
             line: line as usize,
             share: 0.5 * (self.start.lanes.share[lane] + self.end.lanes.share[lane]),
@@ -170,11 +172,11 @@ impl ContactStep<'_> {
     pub(crate) fn cell_sums(&self, place: &Placement, sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
         let mut sums = CellSums::default();
         let (places, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
-        for (square, &line) in self.squares().zip(self.lines.list()) {
+        for (square, &line) in self.contact_cells().zip(self.lines.list()) {
             let at = frame.local(sheet.point(line as usize));
             sums.add(
                 places.place(at),
-                &Under {
+                &CellLoad {
                     share: square.share,
                     load: square.load,
                     slip_speed: physics.slip_speed(place.tool, at),
@@ -228,7 +230,7 @@ impl ContactStep<'_> {
 
     /// Variables of the workpiece's cells at the end of the step, one value per lane.
     pub(crate) fn means(&self) -> [(Variable, &[f64]); 5] {
-        let End { depth, pressure, rate, dose_rate, .. } = &self.end.lanes;
+        let ContactState { depth, pressure, rate, dose_rate, .. } = &self.end.lanes;
         [
             (Variable::Depth, depth),
             (Variable::DepthRate, self.depth_rate),

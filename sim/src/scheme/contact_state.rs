@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::clock::Phase;
-use crate::contact::{Columns, Ground, Squares};
+use crate::contact::{Columns, ContactCells, Ground};
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::pose::Placement;
@@ -17,8 +17,8 @@ use sdf_bake::simd::in_wide_lanes;
 pub(crate) struct Side {
     /// The tool's reference point [m].
     pub(super) centre: DVec3,
-    pub(super) squares: Squares,
-    pub(super) lanes: End,
+    pub(super) contact_cells: ContactCells,
+    pub(super) lanes: ContactState,
 }
 
 impl Side {
@@ -32,7 +32,7 @@ impl Side {
     ) -> Result<(), RunError> {
         self.centre = place.pose.centre;
         physics.gap(place, ground, gap)?;
-        self.squares.measure(place, ground, gap);
+        self.contact_cells.measure(place, ground, gap);
         physics.lap(Phase::Squares);
         Ok(())
     }
@@ -40,7 +40,7 @@ impl Side {
 
 /// State of the cells in contact at one end of a step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct End {
+pub(crate) struct ContactState {
     /// Mean depth over the share in contact [m].
     pub(super) depth: Vec<f64>,
     pub(super) share: Vec<f64>,
@@ -59,9 +59,9 @@ pub(crate) struct End {
     pub(super) dose_rate: Vec<f64>,
 }
 
-impl End {
+impl ContactState {
     /// Copies depth and share of `lines` from the cells.
-    pub(super) fn gather(&mut self, squares: &Squares, lines: &Lines) {
+    pub(super) fn gather(&mut self, contact_cells: &ContactCells, lines: &Lines) {
         let Self { depth, share, .. } = self;
         depth.resize(lines.len(), 0.0);
         share.resize(lines.len(), 0.0);
@@ -69,7 +69,8 @@ impl End {
             #[inline(always)]
             || {
                 for Run { lines, lanes } in lines.runs() {
-                    let (means, shares) = (&squares.mean_depth[lines.clone()], &squares.share[lines.clone()]);
+                    let (means, shares) =
+                        (&contact_cells.mean_depth[lines.clone()], &contact_cells.share[lines.clone()]);
                     share[lanes.clone()].copy_from_slice(shares);
                     for ((depth, mean), share) in depth[lanes.clone()].iter_mut().zip(means).zip(shares) {
                         *depth = if *share > 0.0 { mean / share } else { 0.0 };
@@ -132,7 +133,7 @@ impl End {
 /// depth is the mean over the share in contact. The cell recedes by that share of the rate, so that pressure and
 /// removal are consistent.
 pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, bends): (usize, [f64; 2]), lines: &Lines) {
-    let (before, after) = (&start.squares, &end.squares);
+    let (before, after) = (&start.contact_cells, &end.contact_cells);
     let (start, end) = (&mut start.lanes, &mut end.lanes);
     for end in [&mut *start, &mut *end] {
         end.own.clone_from(&end.depth);
@@ -150,7 +151,7 @@ pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, ben
             let mut any = false;
             for Run { lines: run, lanes } in lines.runs() {
                 let known = after.known(&before.known(run, across), across);
-                let columns = [before, after].map(|squares| squares.columns(known.clone(), across));
+                let columns = [before, after].map(|contact_cells| contact_cells.columns(known.clone(), across));
                 let first = lanes.start + (known.start - run.start);
                 any |= recede_in_row((start, end), &columns, first..first + known.len(), bends);
             }
@@ -163,7 +164,7 @@ pub(super) fn gather_receding((start, end): (&mut Side, &mut Side), (across, ben
 /// The same for the columns of one row, in some `lanes`. Returns true if the work is flat under any.
 #[inline(always)]
 fn recede_in_row(
-    (start, end): (&mut End, &mut End),
+    (start, end): (&mut ContactState, &mut ContactState),
     [before, after]: &[Columns; 2],
     lanes: Range<usize>,
     bends: [f64; 2],

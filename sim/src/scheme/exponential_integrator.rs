@@ -1,7 +1,7 @@
 //! Integration of the lanes over a step, in the processor's widest SIMD lanes.
 
-use super::contact_state::End;
-use crate::phi_functions::Decay;
+use super::contact_state::ContactState;
+use crate::phi_functions::PhiWeights;
 pub(super) use shaders::constants::PROBE;
 
 /// Relative difference of decay up to which two lanes are integrated with the same weights.
@@ -24,8 +24,13 @@ pub(super) struct Relaxed {
 
 impl Relaxed {
     /// Replaces a lane's recession by a recession and its mean over the step [m].
-    pub(super) fn recede(&mut self, lane: usize, (start, end): (&End, &End), (recession, mean): (f64, f64)) {
-        let load = |end: &End| end.pressure[lane] * end.share[lane];
+    pub(super) fn recede(
+        &mut self,
+        lane: usize,
+        (start, end): (&ContactState, &ContactState),
+        (recession, mean): (f64, f64),
+    ) {
+        let load = |end: &ContactState| end.pressure[lane] * end.share[lane];
         let deeper = if start.depth[lane] > end.depth[lane] { start } else { end };
         let stiffness = if deeper.depth[lane] > 0.0 { deeper.pressure[lane] / deeper.depth[lane] } else { 0.0 };
         let mean_depth = end.depth[lane] * end.share[lane];
@@ -37,9 +42,9 @@ impl Relaxed {
 }
 
 /// Integrates the lanes over a step of `dt` [s].
-pub(super) struct Relax<'a> {
-    pub(super) start: &'a End,
-    pub(super) end: &'a End,
+pub(super) struct IntegrateLanes<'a> {
+    pub(super) start: &'a ContactState,
+    pub(super) end: &'a ContactState,
     /// Recession speed at a slightly greater depth than that of the deeper end [m/s].
     pub(super) probe: &'a [f64],
     pub(super) dt: f64,
@@ -48,7 +53,7 @@ pub(super) struct Relax<'a> {
     pub(super) out: &'a mut Relaxed,
 }
 
-impl pulp::NullaryFnOnce for Relax<'_> {
+impl pulp::NullaryFnOnce for IntegrateLanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -60,12 +65,12 @@ impl pulp::NullaryFnOnce for Relax<'_> {
             lanes.resize(count, 0.0);
         }
         set_relaxation(start, end, (probe, dt), &mut out.relaxation);
-        let mut decay = Decay::new(0.0);
+        let mut decay = PhiWeights::new(0.0);
         let mut first = 0;
         while first < count {
-            let is_other = |x: f64, decay: &Decay| (x - decay.x).abs() > SAME_DECAY * decay.x;
+            let is_other = |x: f64, decay: &PhiWeights| (x - decay.x).abs() > SAME_DECAY * decay.x;
             if is_other(out.relaxation[first], &decay) {
-                decay = Decay::new(out.relaxation[first]);
+                decay = PhiWeights::new(out.relaxation[first]);
             }
             let more = out.relaxation[first + 1..].iter().take_while(|x| !is_other(**x, &decay)).count();
             let next = first + 1 + more;
@@ -76,7 +81,7 @@ impl pulp::NullaryFnOnce for Relax<'_> {
 }
 
 #[inline(always)]
-fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut [f64]) {
+fn set_relaxation(start: &ContactState, end: &ContactState, (probe, dt): (&[f64], f64), out: &mut [f64]) {
     let count = out.len();
     let (own_a, own_b) = (&start.own[..count], &end.own[..count]);
     let (rate_a, rate_b, probe) = (&start.rate[..count], &end.rate[..count], &probe[..count]);
@@ -92,9 +97,9 @@ fn set_relaxation(start: &End, end: &End, (probe, dt): (&[f64], f64), out: &mut 
 /// Integrates `count` lanes from `first` on that share the same weights.
 #[inline(always)]
 fn integrate(
-    start: &End,
-    end: &End,
-    (decay, dt, bulge): (&Decay, f64, f64),
+    start: &ContactState,
+    end: &ContactState,
+    (decay, dt, bulge): (&PhiWeights, f64, f64),
     (first, count): (usize, usize),
     out: &mut Relaxed,
 ) {

@@ -11,10 +11,10 @@ use std::ops::Range;
 use shaders::constants::{BENT, NEAR_BELOW};
 
 use super::contact_integrals::{ApproachShare, ContactStep};
-use super::contact_state::{self, End, Side};
+use super::contact_state::{self, ContactState, Side};
 use super::dose::Dose;
-use super::exponential_integrator::{PROBE, Relax, Relaxed};
-use super::{Ahead, Applied, EndForce, Pace, Scheme, nonlinear_correction, threshold};
+use super::exponential_integrator::{IntegrateLanes, PROBE, Relaxed};
+use super::{AppliedRemoval, EndForce, Scheme, StepLimits, WindowRequest, nonlinear_correction, threshold};
 use crate::clock::Phase;
 use crate::contact::Ground;
 use crate::lines::Lines;
@@ -38,7 +38,7 @@ pub(crate) struct Grinding {
     start: Side,
     end: Side,
     /// The law at depths other than those of the ends.
-    probe: End,
+    probe: ContactState,
     /// Rate at which the depth grows by the tool's motion, without recession [m/s].
     depth_rate: Vec<f64>,
     /// Bulge: excess of the depth in the middle of the step over the mean of both ends, without recession [m].
@@ -59,16 +59,16 @@ impl Scheme for Grinding {
         true
     }
 
-    fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
+    fn step_limits(&self, pass: &Pass, voxel: f64) -> StepLimits {
         let Pass { path, settings, .. } = *pass;
         let step_way = settings.step_voxels * voxel;
-        let longest = |piece: usize| Pace::longest_step(path, piece, (step_way, LONGEST_STEP));
+        let longest = |piece: usize| StepLimits::longest_step(path, piece, (step_way, LONGEST_STEP));
         let longest_steps = (0..path.pieces()).map(longest).collect();
-        Pace { step_way, sheet_way: settings.commit_voxels * voxel, longest_steps }
+        StepLimits { step_way, sheet_way: settings.commit_voxels * voxel, longest_steps }
     }
 
-    fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
-        let Pace { step_way, sheet_way, .. } = ahead.pace;
+    fn next_window(&self, ahead: &WindowRequest) -> (Window, f64) {
+        let StepLimits { step_way, sheet_way, .. } = ahead.step_limits;
         (ahead.window)(&ahead.extent, ahead.until_written, (sheet_way / step_way).ceil())
     }
 
@@ -110,7 +110,7 @@ impl Scheme for Grinding {
     ) -> Result<EndForce, RunError> {
         self.end.measure(place, &Ground { sheet, region: &self.region }, physics, &mut self.gap)?;
         self.gather(place, (sheet, dt), physics.may_bend());
-        let at = InContact { sheet, squares: Some(&self.end.squares), lines: &self.lines };
+        let at = InContact { sheet, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
         physics.place(&self.middle(place), &at);
         self.integrate(physics, dt)?;
         if physics.may_bend() && dt > 0.0 {
@@ -127,20 +127,20 @@ impl Scheme for Grinding {
     }
 
     fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
-        self.end.squares.deepest(place, sheet)
+        self.end.contact_cells.deepest(place, sheet)
     }
 
     fn reaches_border(&self, sheet: &Sheet) -> bool {
-        self.start.squares.reaches_border(sheet) || self.end.squares.reaches_border(sheet)
+        self.start.contact_cells.reaches_border(sheet) || self.end.contact_cells.reaches_border(sheet)
     }
 
     fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
-        let at = InContact { sheet, squares: Some(&self.end.squares), lines: &self.lines };
+        let at = InContact { sheet, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
         physics.place_rest(&self.middle(middle), &at);
         // Eq. (2), dose.
         self.end.lanes.sand(physics)?;
         self.start.lanes.sand(physics)?;
-        let of = |end: &End, lane: usize| end.dose_rate[lane] * end.share[lane];
+        let of = |end: &ContactState, lane: usize| end.dose_rate[lane] * end.share[lane];
         let gain = |lane| 0.5 * dt * (of(&self.start.lanes, lane) + of(&self.end.lanes, lane));
         self.dose.gain.clear();
         self.dose.gain.extend((0..self.lines.len()).map(gain));
@@ -163,7 +163,7 @@ impl Scheme for Grinding {
         }
     }
 
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied {
+    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval {
         let mut applied = self.recede(sheet);
         applied.removal.coating_volume = coating * self.dose.add_to(sheet, &self.lines);
         self.bent += self.relaxed.recession.iter().copied().fold(0.0, f64::max);
@@ -179,8 +179,8 @@ impl Scheme for Grinding {
 impl Grinding {
     /// Subdivides cells with curved depths from now on: for a tool that is held still.
     pub(crate) fn look_closer(&mut self) {
-        self.start.squares.look_closer();
-        self.end.squares.look_closer();
+        self.start.contact_cells.look_closer();
+        self.end.contact_cells.look_closer();
     }
 
     /// Computes how each cell faces the approach axis, for integrals over the step.
@@ -196,7 +196,7 @@ impl Grinding {
 
     /// Gathers the lanes of both ends of a step of `dt` [s].
     fn gather(&mut self, place: &Placement, (sheet, dt): (&Sheet, f64), may_bend: bool) {
-        let (a, b) = (&self.start.squares, &self.end.squares);
+        let (a, b) = (&self.start.contact_cells, &self.end.contact_cells);
         // The previous step may have used up the rest of a cell.
         self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.lanes.gather(a, &self.lines);
@@ -224,7 +224,7 @@ impl Grinding {
         physics.lap(Phase::Model);
         threshold::take_means(start, end, &mut probe.rate);
         // Eq. (5), depth over the step.
-        pulp::Arch::new().dispatch(Relax { start, end, probe: &probe.rate, dt, bulge: *bulge, out: relaxed });
+        pulp::Arch::new().dispatch(IntegrateLanes { start, end, probe: &probe.rate, dt, bulge: *bulge, out: relaxed });
         threshold::cross((start, end), (dt, *bulge), relaxed);
         Ok(())
     }
@@ -259,8 +259,8 @@ impl Grinding {
     }
 
     /// Applies the recession to a height field.
-    fn recede(&self, sheet: &mut Sheet) -> Applied {
-        let mut applied = Applied::default();
+    fn recede(&self, sheet: &mut Sheet) -> AppliedRemoval {
+        let mut applied = AppliedRemoval::default();
         let lanes = self.lines.list().iter().zip(&self.relaxed.recession);
         for (&line, &recession) in lanes.filter(|(_, recession)| **recession != 0.0) {
             let line = line as usize;
@@ -275,16 +275,16 @@ impl Grinding {
     /// Starts the next step from the end of this one, which was applied to the height field.
     fn go_on(&mut self) {
         let Self { start, end, lines, relaxed, .. } = self;
-        std::mem::swap(&mut start.squares, &mut end.squares);
+        std::mem::swap(&mut start.contact_cells, &mut end.contact_cells);
         start.centre = end.centre;
-        let squares = &mut start.squares;
+        let contact_cells = &mut start.contact_cells;
         for (lane, &line) in lines.list().iter().enumerate() {
             let line = line as usize;
-            squares.depth[line] -= relaxed.recession[lane] / squares.cover_of_groove(line);
-            let left = squares.mean_depth[line] - relaxed.recession[lane];
-            squares.mean_depth[line] = left.max(0.0);
+            contact_cells.depth[line] -= relaxed.recession[lane] / contact_cells.cover_of_groove(line);
+            let left = contact_cells.mean_depth[line] - relaxed.recession[lane];
+            contact_cells.mean_depth[line] = left.max(0.0);
             if left <= 0.0 {
-                (squares.share[line], squares.area[line]) = (0.0, 0.0);
+                (contact_cells.share[line], contact_cells.area[line]) = (0.0, 0.0);
             }
         }
         self.goes_on = true;

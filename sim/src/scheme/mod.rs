@@ -37,10 +37,10 @@ pub(crate) trait Scheme: Send {
     fn recedes(&self) -> bool;
 
     /// Longest distances and steps of a pass's tool on voxels of a size [m].
-    fn pace(&self, pass: &Pass, voxel: f64) -> Pace;
+    fn step_limits(&self, pass: &Pass, voxel: f64) -> StepLimits;
 
     /// The window of the surface to be read next, and its lowest corner [m up].
-    fn next_window(&self, ahead: &Ahead) -> (Window, f64);
+    fn next_window(&self, ahead: &WindowRequest) -> (Window, f64);
 
     /// Distance below the tool down to which the surface is searched for [m] while the tool is at work.
     fn below(&self, search_reach: f64, voxel: f64) -> f64;
@@ -89,7 +89,7 @@ pub(crate) trait Scheme: Send {
     fn step(&self) -> ContactStep<'_>;
 
     /// Applies the step to a height field and its `coating` [m].
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied;
+    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval;
 }
 
 /// The scheme of a model.
@@ -99,7 +99,7 @@ pub(crate) fn scheme_of(physics: &Physics) -> Box<dyn Scheme> {
 
 /// Longest distances of a tool, and longest steps.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pace {
+pub(crate) struct StepLimits {
     /// Longest distance in one step [m].
     pub(crate) step_way: f64,
     /// Longest distance on one height field [m].
@@ -108,7 +108,7 @@ pub(crate) struct Pace {
     pub(crate) longest_steps: Vec<f64>,
 }
 
-impl Pace {
+impl StepLimits {
     /// Longest step on a segment of a path in which a tool moves no farther than `way` [m]; `longest` [s] if it is at
     /// rest.
     fn longest_step(path: &Path, piece: usize, (way, longest): (f64, f64)) -> f64 {
@@ -118,7 +118,7 @@ impl Pace {
 }
 
 /// Tool, contact and times from which the next window of the surface is chosen.
-pub(crate) struct Ahead<'a> {
+pub(crate) struct WindowRequest<'a> {
     /// The tool.
     pub(crate) tool: &'a Tool,
     /// Extent of the contact.
@@ -126,7 +126,7 @@ pub(crate) struct Ahead<'a> {
     /// Voxel of the field [m].
     pub(crate) voxel: f64,
     /// Longest distances of the tool.
-    pub(crate) pace: &'a Pace,
+    pub(crate) step_limits: &'a StepLimits,
     /// Time until the next height field is written back [s].
     pub(crate) until_written: f64,
     /// Time until the end of the pass [s].
@@ -146,7 +146,7 @@ pub(crate) struct EndForce {
 
 /// Removal by a step that was applied to a height field.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Applied {
+pub(crate) struct AppliedRemoval {
     /// Volumes removed from the part and from its coating.
     pub(crate) removal: Removal,
     /// Largest recession of any column since the height field was read [m].

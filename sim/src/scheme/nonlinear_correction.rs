@@ -4,9 +4,9 @@
 //! Let q be that depth. The rate r is taken as linear through the start and q. The pressure is taken as linear through
 //! q and the end depth without recession.
 
-use super::contact_state::End;
+use super::contact_state::ContactState;
 use super::exponential_integrator::Relaxed;
-use crate::phi_functions::Decay;
+use crate::phi_functions::PhiWeights;
 use shaders::constants::APART;
 
 /// Mean depth over the share in contact [m] after a recession.
@@ -15,13 +15,14 @@ pub(super) fn left(depth: f64, share: f64, recession: f64) -> f64 {
 }
 
 /// Corrects the lanes whose law is nonlinear.
-pub(super) fn bend((start, end, reached): (&End, &End, &End), dt: f64, out: &mut Relaxed) {
+pub(super) fn bend((start, end, reached): (&ContactState, &ContactState, &ContactState), dt: f64, out: &mut Relaxed) {
     for lane in 0..reached.depth.len() {
-        let at = |end: &End| Look { depth: end.depth[lane], pressure: end.pressure[lane], rate: end.rate[lane] };
+        let at =
+            |end: &ContactState| Look { depth: end.depth[lane], pressure: end.pressure[lane], rate: end.rate[lane] };
         let shares = [start.share[lane], end.share[lane]];
         let looks = Looks { start: at(start), end: at(end), reached: at(reached), shares };
         if shares[1] > 0.0 {
-            looks.put_right(lane, dt, out);
+            looks.correct(lane, dt, out);
         }
     }
 }
@@ -44,12 +45,12 @@ struct Looks {
 }
 
 impl Looks {
-    fn put_right(&self, lane: usize, dt: f64, out: &mut Relaxed) {
+    fn correct(&self, lane: usize, dt: f64, out: &mut Relaxed) {
         let Self { start, end, reached, shares: [wet_before, wet] } = self;
         let known = out.relaxation[lane] / dt;
         let slope =
             slope((start.depth, start.rate), (reached.depth, reached.rate)).map_or(known, |slope| slope.max(0.0));
-        let decay = Decay::new(slope * dt);
+        let decay = PhiWeights::new(slope * dt);
         let before = start.rate * wet_before;
         let more = (reached.rate + slope * (end.depth - reached.depth)) * wet - before;
         let recession = dt * (before * decay.phi1 + more * decay.phi2);

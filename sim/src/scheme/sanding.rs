@@ -10,7 +10,7 @@ use super::contact_integrals::{ApproachShare, ContactStep};
 use super::contact_state::Side;
 use super::dose::Dose;
 use super::lanes::dot;
-use super::{Ahead, Applied, EndForce, Pace, Scheme};
+use super::{AppliedRemoval, EndForce, Scheme, StepLimits, WindowRequest};
 use crate::clock::Phase;
 use crate::contact::Ground;
 use crate::extent::Extent;
@@ -64,14 +64,14 @@ impl Scheme for Sanding {
         false
     }
 
-    fn pace(&self, pass: &Pass, voxel: f64) -> Pace {
+    fn step_limits(&self, pass: &Pass, voxel: f64) -> StepLimits {
         let Pass { tool, path, settings, .. } = *pass;
         let (step_way, footprint) = (settings.step_voxels * voxel, 2.0 * tool.half_footprint(f64::INFINITY).0);
         let longest = |piece: usize| {
             let (share, longest) = if path.is_steady(piece, STEADY, STEADY_STEP.1) { STEADY_STEP } else { STEP };
-            Pace::longest_step(path, piece, (step_way.max(share * footprint), longest))
+            StepLimits::longest_step(path, piece, (step_way.max(share * footprint), longest))
         };
-        Pace {
+        StepLimits {
             step_way: step_way.max(STEADY_STEP.0 * footprint),
             sheet_way: (settings.commit_voxels * voxel).max(SHEET * footprint),
             longest_steps: (0..path.pieces()).map(longest).collect(),
@@ -79,7 +79,7 @@ impl Scheme for Sanding {
     }
 
     /// As much as the tool will cross and one height field may hold.
-    fn next_window(&self, ahead: &Ahead) -> (Window, f64) {
+    fn next_window(&self, ahead: &WindowRequest) -> (Window, f64) {
         let extent = Extent::of(ahead.tool, 2.0 * ahead.voxel).joined(&ahead.extent);
         let mut time = ahead.until_written.max(ahead.until_end);
         loop {
@@ -97,7 +97,7 @@ impl Scheme for Sanding {
 
     fn look_at(&mut self, region: Region) {
         self.region = region;
-        self.middle.squares.forget();
+        self.middle.contact_cells.forget();
     }
 
     fn leave_sheet(&mut self) {}
@@ -125,10 +125,10 @@ impl Scheme for Sanding {
     ) -> Result<EndForce, RunError> {
         self.measure(place, sheet, physics)?;
         let Self { middle, lines, zeros, .. } = self;
-        lines.clone_from(&middle.squares.wet);
-        middle.lanes.gather(&middle.squares, lines);
+        lines.clone_from(&middle.contact_cells.wet);
+        middle.lanes.gather(&middle.contact_cells, lines);
         zeros.resize(lines.len(), 0.0);
-        physics.place(place, &InContact { sheet, squares: Some(&middle.squares), lines });
+        physics.place(place, &InContact { sheet, contact_cells: Some(&middle.contact_cells), lines });
         // Eq. (3), pressure.
         middle.lanes.press(physics, zeros)?;
         physics.lap(Phase::Model);
@@ -143,17 +143,17 @@ impl Scheme for Sanding {
     }
 
     fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
-        self.middle.squares.deepest(place, sheet)
+        self.middle.contact_cells.deepest(place, sheet)
     }
 
     fn reaches_border(&self, sheet: &Sheet) -> bool {
-        self.middle.squares.reaches_border(sheet)
+        self.middle.contact_cells.reaches_border(sheet)
     }
 
     fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
-        let Self { middle: Side { centre, squares, lanes }, lines, dose, .. } = self;
+        let Self { middle: Side { centre, contact_cells, lanes }, lines, dose, .. } = self;
         let place = Placement { pose: Pose { centre: *centre, ..middle.pose }, ..*middle };
-        physics.place_rest(&place, &InContact { sheet, squares: Some(squares), lines });
+        physics.place_rest(&place, &InContact { sheet, contact_cells: Some(contact_cells), lines });
         // Eq. (2), dose.
         lanes.sand(physics)?;
         lanes.rate.resize(lines.len(), 0.0);
@@ -177,21 +177,21 @@ impl Scheme for Sanding {
         }
     }
 
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> Applied {
+    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval {
         let coating_volume = coating * self.dose.add_to(sheet, &self.lines);
-        Applied { removal: Removal { volume: 0.0, coating_volume }, receded: 0.0 }
+        AppliedRemoval { removal: Removal { volume: 0.0, coating_volume }, receded: 0.0 }
     }
 }
 
 impl Sanding {
     /// Measures the cells: updates their depths if the tool only moved along its axis, otherwise measures all again.
     fn measure(&mut self, place: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
-        let Self { region, gap, middle: Side { centre, squares, .. }, .. } = self;
+        let Self { region, gap, middle: Side { centre, contact_cells, .. }, .. } = self;
         *centre = place.pose.centre;
         let ground = Ground { sheet, region };
         physics.gap(place, &ground, gap)?;
-        if !gap.is_empty() || !squares.measure_deeper(place, sheet) {
-            squares.measure(place, &ground, gap);
+        if !gap.is_empty() || !contact_cells.measure_deeper(place, sheet) {
+            contact_cells.measure(place, &ground, gap);
         }
         physics.lap(Phase::Squares);
         Ok(())

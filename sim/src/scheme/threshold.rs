@@ -3,15 +3,15 @@
 //! Such a law is taken as linear above its threshold depth. The part of the step in which the depth exceeds the
 //! threshold is found on its parabola over time, and only that part is integrated.
 
-use super::contact_state::End;
+use super::contact_state::ContactState;
 use super::exponential_integrator::{PROBE, Relaxed};
-use crate::phi_functions::Decay;
+use crate::phi_functions::PhiWeights;
 use shaders::constants::NO_THRESHOLD;
 
 /// Resets lanes without a threshold in their law to the mean depth over their share in contact. For a law that is
 /// linear from depth 0 on, the rate at the mean is the mean of the rates, so pressure and removal are consistent.
 /// `probe` holds the rates at [`super::exponential_integrator::PROBE`] above the deeper end.
-pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
+pub(super) fn take_means(start: &mut ContactState, end: &mut ContactState, probe: &mut [f64]) {
     if !end.is_flat {
         return;
     }
@@ -36,8 +36,8 @@ pub(super) fn take_means(start: &mut End, end: &mut End, probe: &mut [f64]) {
 }
 
 /// Corrects the lanes that recede at only one end of a step of `dt` [s]. `bulge` [m] as in
-/// [`super::exponential_integrator::Relax`].
-pub(super) fn cross((start, end): (&End, &End), (dt, bulge): (f64, f64), out: &mut Relaxed) {
+/// [`super::exponential_integrator::IntegrateLanes`].
+pub(super) fn cross((start, end): (&ContactState, &ContactState), (dt, bulge): (f64, f64), out: &mut Relaxed) {
     if !end.is_flat {
         return;
     }
@@ -68,14 +68,14 @@ struct Crossing {
     part: f64,
     /// Relaxation in the step, λ dt.
     x: f64,
-    /// As in [`super::exponential_integrator::Relax`].
+    /// As in [`super::exponential_integrator::IntegrateLanes`].
     bulge: f64,
 }
 
 impl Crossing {
     /// Recession and its mean over the step [m] of a cell that starts to recede within it.
     fn begins(&self) -> (f64, f64) {
-        let decay = Decay::new(self.x * self.part);
+        let decay = PhiWeights::new(self.x * self.part);
         let bulged = self.bulge * self.part * self.part * decay.bulge_gain();
         (self.above * decay.x * decay.phi2 + bulged, self.part * self.above * decay.x * decay.psi2)
     }
@@ -83,7 +83,7 @@ impl Crossing {
     /// The same for a cell that stops. While the tool retreats at a speed s, a depth u above the threshold is gone
     /// after `ln(1 + λ u/s)/λ`.
     fn ceases(&self) -> (f64, f64) {
-        let decay = Decay::new(self.x * self.part);
+        let decay = PhiWeights::new(self.x * self.part);
         let log = decay.x.ln_1p() / decay.x;
         let recession = self.above * (1.0 - log) + self.bulge * self.part * self.part * decay.bulge_gain();
         // A rate that falls evenly has taken two thirds on average while it acts.

@@ -9,7 +9,7 @@ use crate::extent::Extent;
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::region::Region;
-use crate::scheme::{Ahead, EndForce};
+use crate::scheme::{EndForce, WindowRequest};
 use crate::settings::{LONGEST_STEP, Pass};
 use crate::sheet::{Facing, Window};
 use effects::RunError;
@@ -129,7 +129,7 @@ impl Runner<'_> {
 
     /// The window of the next height field, and its lowest corner [m up].
     fn next_window(&self, dt: f64, facing: Facing) -> (Window, f64) {
-        let Self { pass: Pass { tool, path, .. }, guide, workpiece, pace, .. } = self;
+        let Self { pass: Pass { tool, path, .. }, guide, workpiece, step_limits, .. } = self;
         let voxel = workpiece.grid.voxel;
         let window = |extent: &Extent, ahead: f64, count: f64| {
             let pose = |share: f64| guide.pose(guide.time + dt + ahead * share, guide.motion.travel);
@@ -137,12 +137,12 @@ impl Runner<'_> {
                 std::iter::once(guide.here()).chain((0..=count as usize).map(|k| pose(k as f64 / count))).collect();
             extent.window(tool, &poses, facing, voxel)
         };
-        self.scheme.next_window(&Ahead {
+        self.scheme.next_window(&WindowRequest {
             tool,
             extent: workpiece.extent,
             voxel,
-            pace,
-            until_written: guide.time_for(pace.sheet_way + pace.step_way + LOOK_AHEAD * voxel),
+            step_limits,
+            until_written: guide.time_for(step_limits.sheet_way + step_limits.step_way + LOOK_AHEAD * voxel),
             until_end: path.duration() - guide.time - dt,
             window: &window,
         })

@@ -41,7 +41,7 @@ pub(super) struct Guide<'a> {
 
 /// State of the controller between two stretches of a pass.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Course {
+pub(super) struct ControllerState {
     time: f64,
     motion: Motion,
     controller: Controller,
@@ -69,13 +69,13 @@ impl<'a> Guide<'a> {
     }
 
     /// State to continue from in the next stretch.
-    pub(super) fn course(&self) -> Course {
+    pub(super) fn course(&self) -> ControllerState {
         let Self { time, motion, controller, limit, end, .. } = *self;
-        Course { time, motion, controller, limit, end }
+        ControllerState { time, motion, controller, limit, end }
     }
 
     /// Continues from the end of the previous stretch.
-    pub(super) fn take_up(&mut self, Course { time, motion, controller, limit, end }: Course) {
+    pub(super) fn take_up(&mut self, ControllerState { time, motion, controller, limit, end }: ControllerState) {
         (self.time, self.motion, self.controller, self.limit, self.end) = (time, motion, controller, limit, end);
     }
 

@@ -19,21 +19,21 @@ use crate::measured::Readings;
 use crate::physics::Physics;
 use crate::pose::Placement;
 use crate::record::PassRecord;
-use crate::scheme::{Applied, Pace, Scheme, scheme_of};
+use crate::scheme::{AppliedRemoval, Scheme, StepLimits, scheme_of};
 use crate::settings::{Pass, PassError};
 use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
 use effects::{RunError, States, Variable};
 
 /// An accepted step: its motion, the mean contact over it, and the removal.
-pub(crate) struct Taken {
+pub(crate) struct AcceptedStep {
     pub(crate) motion: Motion,
     /// Length of the step [s].
     pub(crate) dt: f64,
     pub(crate) contact: Contact,
     /// Force at its end [N].
     pub(crate) end_force: f64,
-    pub(crate) applied: Applied,
+    pub(crate) applied: AppliedRemoval,
 }
 
 /// A pass in progress.
@@ -45,7 +45,7 @@ pub(crate) struct Runner<'a> {
     moment: Moment,
     readings: Readings<'a>,
     scheme: Box<dyn Scheme>,
-    pace: Pace,
+    step_limits: StepLimits,
     record: PassRecord,
 }
 
@@ -65,7 +65,7 @@ impl<'a> Runner<'a> {
         }
         let scheme = scheme_of(&physics);
         Self {
-            pace: scheme.pace(&pass, grid.voxel),
+            step_limits: scheme.step_limits(&pass, grid.voxel),
             workpiece: Workpiece::new(grid, pass.tool),
             guide: Guide::new(pass, longest_step),
             moment: Moment::new(&pass),
@@ -104,7 +104,7 @@ impl<'a> Runner<'a> {
         // The surface recedes, Eq. (1), and the coating gains its dose, Eq. (2).
         let applied = self.scheme.apply(self.workpiece.sheet_mut(), self.pass.settings.coating);
         // Variables of formulas after this step, and the tool's states.
-        let taken = Taken { motion, dt, contact, end_force, applied };
+        let taken = AcceptedStep { motion, dt, contact, end_force, applied };
         self.leave(&middle, &taken, &sums)?;
         // The log and, when due, the write-back into the field.
         self.go_on(&taken);
@@ -113,7 +113,7 @@ impl<'a> Runner<'a> {
 
     /// Sets the variables of formulas before a step. Returns the longest step that may be taken [s].
     fn enter(&mut self) -> Result<f64, RunError> {
-        let Self { pass, guide, physics, moment, readings, pace, .. } = self;
+        let Self { pass, guide, physics, moment, readings, step_limits, .. } = self;
         guide.take_over(physics.step.get(Variable::Force));
         moment.enter(pass, guide.nominal(guide.time, 0.0), guide.time, &mut physics.step);
         readings.set_states(physics.model, guide.time, physics.states);
@@ -121,7 +121,7 @@ impl<'a> Runner<'a> {
         let spindle = physics.model.spindle_speed(&physics.step, physics.states)?;
         moment.set_spindle(spindle, &mut physics.step);
         guide.pose_change = physics.pose_change()?;
-        Ok(guide.step_length(pace.longest_steps[pass.path.piece(guide.time)]))
+        Ok(guide.step_length(step_limits.longest_steps[pass.path.piece(guide.time)]))
     }
 
     /// Sums the results of a step of `dt` [s] for each tool cell and each surface point; advances the states of the
@@ -138,13 +138,13 @@ impl<'a> Runner<'a> {
         if let Some(covariates) = pass.covariates {
             let slip_speed = |point| physics.slip_speed(pass.tool, middle.pose.local(point));
             let begun = pass.trial_time + guide.time;
-            covariates.borrow_mut().add(sheet, step.squares(), slip_speed, (begun, dt));
+            covariates.borrow_mut().add(sheet, step.contact_cells(), slip_speed, (begun, dt));
         }
         Ok(sums)
     }
 
     /// Sets the variables of formulas after a step, and advances the tool's states.
-    fn leave(&mut self, middle: &Placement, taken: &Taken, sums: &CellSums) -> Result<(), RunError> {
+    fn leave(&mut self, middle: &Placement, taken: &AcceptedStep, sums: &CellSums) -> Result<(), RunError> {
         let extent = self.scheme.step().extent(&middle.pose, self.workpiece.sheet());
         self.workpiece.extent = extent.unwrap_or(self.workpiece.extent);
         let patch_width = extent.map_or(0.0, |extent| extent.y.1 - extent.y.0);
@@ -159,8 +159,8 @@ impl<'a> Runner<'a> {
     }
 
     /// Advances to the step's end, records it, and writes the height field back when due.
-    fn go_on(&mut self, taken: &Taken) {
-        let Taken { motion, dt, contact, end_force, applied } = taken;
+    fn go_on(&mut self, taken: &AcceptedStep) {
+        let AcceptedStep { motion, dt, contact, end_force, applied } = taken;
         let way = self.guide.follow(*motion, *dt);
         self.workpiece.travelled += way;
         let setpoint = self.pass.force_setpoint(self.guide.time..self.guide.time);
@@ -168,7 +168,7 @@ impl<'a> Runner<'a> {
         self.record.push(row, (contact, &applied.removal), *dt, setpoint);
         self.physics.lap(Phase::Apply);
         // Half a step of tolerance: steps of equal length would end on the limit itself, and rounding would decide.
-        let is_far = self.workpiece.travelled + 0.5 * way > self.pace.sheet_way;
+        let is_far = self.workpiece.travelled + 0.5 * way > self.step_limits.sheet_way;
         let is_deep = applied.receded > COMMIT_RECESSION * self.workpiece.grid.voxel;
         if self.scheme.recedes() && (is_far || is_deep) {
             self.write_back();

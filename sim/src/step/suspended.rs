@@ -3,10 +3,10 @@
 use sdf_bake::BrickGrid;
 
 use super::Runner;
-use super::guide::Course;
+use super::guide::ControllerState;
 use super::workpiece::Sheets;
 use crate::control::Motion;
-use crate::physics::Memory;
+use crate::physics::FormulaMemory;
 use crate::record::PassRecord;
 use crate::scheme::Scheme;
 use crate::step_values::Moment;
@@ -15,9 +15,9 @@ use crate::step_values::Moment;
 pub(crate) struct Suspended {
     /// Travel and speed of the tool along its approach axis.
     pub(crate) motion: Motion,
-    course: Course,
+    course: ControllerState,
     sheets: Sheets,
-    memory: Memory,
+    memory: FormulaMemory,
     moment: Moment,
     /// `None` once the recession is written back: then the next stretch reads the field again.
     scheme: Option<Box<dyn Scheme>>,

@@ -10,7 +10,7 @@ use glam::DVec3;
 use robot::{Tool, Wheel};
 use sdf_bake::BrickGrid;
 use shaders::device::FaultKind;
-use shaders::simulate::{Rooms, SimulateError};
+use shaders::simulate::{SimulateError, TrialCapacity};
 use shaders::testing::{self, lose};
 use sim::gpu::{GpuError, Settings, Trial, refusal_of, run_batch, run_pass};
 use sim::{Pass, PassSettings, Path};
@@ -45,7 +45,7 @@ fn trials_in_a_batch_leave_the_same_bits_as_alone_whatever_room_they_begin_with(
         .map(|(model, states)| Trial { part: &part, pass: Pass::first(&tool, &path, &settings, model), tool: states })
         .collect();
     // One brick and a few lines: both must grow.
-    let tight = Settings { rooms: Rooms { bricks: 1, lines: 16, ticks: 64 }, most_trials: 2 };
+    let tight = Settings { capacity: TrialCapacity { bricks: 1, lines: 16, ticks: 64 }, most_trials: 2 };
     let batch = run_batch(device, &trials, tight, &mut |_, _| {});
     let mut volumes = Vec::new();
     for (outcome, trial) in batch.into_iter().zip(&trials) {
@@ -74,7 +74,8 @@ fn a_device_that_is_lost_or_too_small_is_named_and_the_part_kept() {
     let pass = Pass::first(&tool, &path, &settings, &model);
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
-    let vast = Settings { rooms: Rooms { bricks: 10_000_000, ..Rooms::default() }, ..Settings::default() };
+    let vast =
+        Settings { capacity: TrialCapacity { bricks: 10_000_000, ..TrialCapacity::default() }, ..Settings::default() };
     let error = run_batch(&device, &[trial], vast, &mut |_, _| {}).remove(0).unwrap_err();
     assert!(matches!(error, GpuError::Device(SimulateError::TooLarge { array: "bricks", .. })), "{error}");
     assert!(error.to_string().contains(&device.adapter().name), "{error}");
@@ -96,7 +97,7 @@ fn a_device_lost_in_the_middle_of_a_pass_fails_its_submission_and_not_the_one_be
     let pass = Pass::first(&tool, &path, &settings, &model);
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
-    let one_by_one = Settings { rooms: Rooms { ticks: 16, ..Rooms::default() }, most_trials: 1 };
+    let one_by_one = Settings { capacity: TrialCapacity { ticks: 16, ..TrialCapacity::default() }, most_trials: 1 };
     let mut lost_at = None;
     let mut results = run_batch(&device, &[trial; 2], one_by_one, &mut |number, at| {
         if number == 1 && lost_at.is_none() {
@@ -122,7 +123,8 @@ fn four_trials_with_much_room_leave_the_bits_of_one_alone() {
     let states = fresh(&model);
     let trial = Trial { part: &part, pass, tool: &states };
     // 12 MiB for each.
-    let roomy = Settings { rooms: Rooms { bricks: 6144, ..Rooms::default() }, ..Settings::default() };
+    let roomy =
+        Settings { capacity: TrialCapacity { bricks: 6144, ..TrialCapacity::default() }, ..Settings::default() };
     let (mut alone, mut tool_states) = (part.clone(), states.clone());
     let ran = run_pass(device, &mut alone, pass, &mut tool_states, &mut |_| {});
     let record = ran.unwrap_or_else(|error| panic!("{error}"));

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use robot::{Controller, Tool};
 use sim::settings::TOUCH;
-use sim::{ForceCourse, Path, PathError, PathSample};
+use sim::{ForceProfile, Path, PathError, PathSample};
 use trials::trial::{Contact, ForceInput, HeldTool, Log, Pass, ToolPath, ToolPose, Trial};
 
 /// Number of log rows from which the speed of descent is computed, enough to average out jitter.
@@ -59,11 +59,11 @@ impl LoggedPass {
 }
 
 /// The logged force as the controller's setpoint, if the trial says so; at least [`LEAST_FORCE`] of the setpoint.
-pub(super) fn force(pass: &Pass, trial: &Trial) -> Option<ForceCourse> {
+pub(super) fn force(pass: &Pass, trial: &Trial) -> Option<ForceProfile> {
     let start = pass.log.rows.first()?.time;
     let rows = pass.log.rows.iter().map(|row| (row.time - start, row.force));
     let leads = trial.force_input == ForceInput::Log;
-    leads.then(|| ForceCourse::new(rows, LEAST_FORCE * pass.force_setpoint))
+    leads.then(|| ForceProfile::new(rows, LEAST_FORCE * pass.force_setpoint))
 }
 
 fn contact(logged: &ToolPath) -> Contact {

@@ -6,7 +6,7 @@ use instruments::surface::Surface;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::files::Found;
-use crate::measure::{Freedom, centre_and_sigma, register};
+use crate::measure::{DegreesOfFreedom, centre_and_sigma, register};
 
 /// Words in the name of a map taken before the first pass.
 const BEFORE: [&str; 10] =
@@ -127,7 +127,7 @@ fn map_of(surface: &Surface) -> HeightMap {
 /// Height of the second map above the first after registration, and the spread of their noise [m]; `None` if they
 /// cannot be registered.
 fn difference(one: &HeightMap, other: &HeightMap) -> Option<(Vec<f64>, f64)> {
-    let registration = register(other, one, Freedom::Plane, |_| true).ok()?;
+    let registration = register(other, one, DegreesOfFreedom::Plane, |_| true).ok()?;
     let left = registration.left(other, one);
     let known: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
     let (_, sigma) = centre_and_sigma(&known)?;

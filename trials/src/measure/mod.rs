@@ -14,9 +14,9 @@ mod untouched;
 use sdf_bake::HeightMap;
 
 pub use noise::{NoiseFloor, noise_floor};
-pub use plateau::{Across, Plateau, plateau_pixels};
+pub use plateau::{Plateau, SectionAxis, plateau_pixels};
 pub(crate) use register::has_slope;
-pub use register::{Freedom, Registration, RegistrationError, register};
+pub use register::{DegreesOfFreedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 pub use scan_noise::{NoiseSource, ScanNoise, ScanNoiseError, roughness};
 pub use untouched::{CLEARANCE, untouched};
@@ -55,7 +55,7 @@ pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
 pub fn unlike_repeat(map: &HeightMap, repeat: &HeightMap) -> HeightMap {
     let ((clean, _), (repeat, _)) = (despiked(map), despiked(repeat));
     let mut checked = map.clone();
-    if let Ok(over) = register(&repeat, &clean, Freedom::PlaneAndShift, |_| true) {
+    if let Ok(over) = register(&repeat, &clean, DegreesOfFreedom::PlaneAndShift, |_| true) {
         let (_, spikes) = despiked(&HeightMap { heights: over.left(&repeat, &clean), ..clean });
         spikes.into_iter().for_each(|at| checked.heights[at] = f64::NAN);
     }

@@ -2,7 +2,7 @@
 
 use sdf_bake::HeightMap;
 
-use super::register::{Freedom, Registration, RegistrationError, has_slope, register};
+use super::register::{DegreesOfFreedom, Registration, RegistrationError, has_slope, register};
 use super::robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 
 /// Longest lag of the variogram [pixels].
@@ -51,7 +51,7 @@ pub fn noise_floor_where(
     second: &HeightMap,
     takes: impl Fn(usize) -> bool,
 ) -> Result<NoiseFloor, RegistrationError> {
-    let registration = register(second, first, Freedom::PlaneAndShift, &takes)?;
+    let registration = register(second, first, DegreesOfFreedom::PlaneAndShift, &takes)?;
     let left = registration.left(second, first).into_iter().enumerate();
     let known = |at: usize| takes(at) && has_slope(first, at);
     let difference: Vec<f64> = left.map(|(at, left)| if known(at) { left } else { f64::NAN }).collect();

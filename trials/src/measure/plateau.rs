@@ -9,7 +9,7 @@ const LEAST_PIXELS: usize = 4;
 
 /// Direction of the sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Across {
+pub enum SectionAxis {
     /// Along x, for a path along y.
     X,
     /// Along y, for a path along x.
@@ -20,7 +20,7 @@ pub enum Across {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plateau {
     pixels: PixelGrid,
-    across: Across,
+    across: SectionAxis,
     sections: Vec<Vec<usize>>,
 }
 
@@ -28,17 +28,17 @@ pub struct Plateau {
 ///
 /// - `removed`: removed depth at each pixel [m], NaN where it is unknown
 /// - `least`: depth below which nothing counts as removed [m]
-pub fn plateau_pixels(pixels: PixelGrid, removed: &[f64], least: f64, across: Across) -> Plateau {
+pub fn plateau_pixels(pixels: PixelGrid, removed: &[f64], least: f64, across: SectionAxis) -> Plateau {
     let section = |line: Vec<usize>| {
         let most = line.iter().map(|&at| removed[at]).filter(|depth| depth.is_finite()).fold(0.0, f64::max);
         let keeps = |at: &usize| most > least && removed[*at] >= PLATEAU * most;
         line.into_iter().filter(keeps).collect::<Vec<usize>>()
     };
     let line = |k: usize| match across {
-        Across::Y => (0..pixels.ny).map(|j| pixels.at(k, j)).collect::<Vec<usize>>(),
-        Across::X => (0..pixels.nx).map(|i| pixels.at(i, k)).collect(),
+        SectionAxis::Y => (0..pixels.ny).map(|j| pixels.at(k, j)).collect::<Vec<usize>>(),
+        SectionAxis::X => (0..pixels.nx).map(|i| pixels.at(i, k)).collect(),
     };
-    let lines = if across == Across::Y { pixels.nx } else { pixels.ny };
+    let lines = if across == SectionAxis::Y { pixels.nx } else { pixels.ny };
     let sections = (0..lines).map(|k| section(line(k))).filter(|section| section.len() >= LEAST_PIXELS).collect();
     Plateau { pixels, across, sections }
 }
@@ -56,7 +56,7 @@ impl Plateau {
 
     fn place(&self, at: usize) -> f64 {
         let place = self.pixels.position(at % self.pixels.nx, at / self.pixels.nx);
-        if self.across == Across::Y { place.y } else { place.x }
+        if self.across == SectionAxis::Y { place.y } else { place.x }
     }
 
     /// Pixels and weights whose weighted sum over a map is the mean over the plateau, restricted to pixels that `knows`

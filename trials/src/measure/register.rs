@@ -28,7 +28,7 @@ const INDEPENDENT: f64 = 1e-6;
 
 /// Degrees of freedom of a registration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Freedom {
+pub enum DegreesOfFreedom {
     /// Offset and tilt.
     Plane,
     /// Offset, tilt and a lateral shift; the shift needs a surface with slopes along x and y.
@@ -88,7 +88,7 @@ struct Equation {
 pub fn register(
     measured: &HeightMap,
     reference: &HeightMap,
-    freedom: Freedom,
+    freedom: DegreesOfFreedom,
     takes: impl Fn(usize) -> bool,
 ) -> Result<Registration, RegistrationError> {
     let (pixels, other) = (measured.pixels, reference.pixels);
@@ -121,10 +121,10 @@ pub fn register(
 
 /// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero if no shift is
 /// requested.
-fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
+fn slope(map: &HeightMap, at: usize, freedom: DegreesOfFreedom) -> DVec2 {
     let (nx, ny) = (map.pixels.nx, map.pixels.ny);
     let (i, j) = (at % nx, at / nx);
-    if freedom == Freedom::Plane {
+    if freedom == DegreesOfFreedom::Plane {
         return DVec2::ZERO;
     }
     if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
@@ -136,7 +136,7 @@ fn slope(map: &HeightMap, at: usize, freedom: Freedom) -> DVec2 {
 
 /// Returns true if all four neighbours of a pixel are known.
 pub(crate) fn has_slope(map: &HeightMap, at: usize) -> bool {
-    slope(map, at, Freedom::PlaneAndShift).is_finite()
+    slope(map, at, DegreesOfFreedom::PlaneAndShift).is_finite()
 }
 
 /// Slope of a map at a pixel from the known neighbours, zero along an axis without any.
@@ -241,7 +241,7 @@ impl Registration {
 
     /// Residual of `measured - reference` at each pixel [m], NaN where it is unknown.
     pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
-        let freedom = if self.shift == DVec2::ZERO { Freedom::Plane } else { Freedom::PlaneAndShift };
+        let freedom = if self.shift == DVec2::ZERO { DegreesOfFreedom::Plane } else { DegreesOfFreedom::PlaneAndShift };
         let levelled = self.levelled(measured);
         let slope = |at: usize| Some(slope(reference, at, freedom)).filter(|slope| !slope.is_nan());
         let shifted = |at: usize| {
@@ -292,7 +292,7 @@ mod tests {
     fn offset_and_tilt_are_found_below_a_third_of_outliers() {
         let (mut measured, reference) = maps(DVec2::ZERO);
         dirty(&mut measured);
-        let found = register(&measured, &reference, Freedom::Plane, |_| true).unwrap();
+        let found = register(&measured, &reference, DegreesOfFreedom::Plane, |_| true).unwrap();
         println!("registration is off by {:.1e} m at the map's corners", worst(&found));
         assert!(worst(&found) < 0.2e-6, "{found:?}");
         assert!(super::super::residual(&found.levelled(&measured), &reference, |at| at % 3 != 0).rms < 2e-6);
@@ -303,7 +303,7 @@ mod tests {
         let shift = DVec2::new(23e-6, -17e-6);
         let (mut measured, reference) = maps(shift);
         dirty(&mut measured);
-        let found = register(&measured, &reference, Freedom::PlaneAndShift, |_| true).unwrap();
+        let found = register(&measured, &reference, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
         println!("shift {} m, off by {:.1e} m", found.shift, (found.shift - shift).length());
         assert!((found.shift - shift).length() < 1.5e-6, "{found:?}");
         assert!(worst(&found) < 0.3e-6, "{found:?}");
@@ -319,7 +319,7 @@ mod tests {
         let plate = HeightMap::from_function(pixels, |_| 0.0);
         let mut other = plate.clone();
         dirty(&mut other);
-        let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
+        let found = register(&other, &plate, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
         assert_eq!(found.shift, DVec2::ZERO);
     }
 
@@ -332,7 +332,7 @@ mod tests {
         let mut dirtied = exact.clone();
         dirty(&mut dirtied);
         for other in [exact, dirtied] {
-            let found = register(&other, &plate, Freedom::PlaneAndShift, |_| true).unwrap();
+            let found = register(&other, &plate, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
             assert!(found.shift.length() < 1e-2 * pixels.pitch, "{found:?}");
         }
     }
@@ -340,12 +340,12 @@ mod tests {
     #[test]
     fn maps_that_cannot_be_laid_on_each_other_say_why() {
         let (measured, reference) = maps(DVec2::ZERO);
-        let plane = |takes: &dyn Fn(usize) -> bool| register(&measured, &reference, Freedom::Plane, takes);
+        let plane = |takes: &dyn Fn(usize) -> bool| register(&measured, &reference, DegreesOfFreedom::Plane, takes);
         assert!(matches!(plane(&|at| at < 9), Err(RegistrationError::TooFewPixels { found: 9 })));
         assert!(plane(&|at| at < 140).is_err(), "one row fixes no tilt across it");
         let mut short = reference.clone();
         short.pixels.nx = 139;
-        let error = register(&measured, &short, Freedom::Plane, |_| true);
+        let error = register(&measured, &short, DegreesOfFreedom::Plane, |_| true);
         assert!(matches!(error, Err(RegistrationError::DifferentPixels { .. })));
     }
 }

@@ -15,7 +15,7 @@ const SEED: u64 = 1;
 /// Relative difference below which two settings are the same.
 const SAME: f64 = 1e-9;
 /// p-value, for rows in random order, below which they count as sorted on purpose.
-const SORTED_BY_CHANCE: f64 = 0.01;
+const SORTED_P_VALUE: f64 = 0.01;
 
 /// A setting's name, and the function that reads it from a row.
 type Setting = (&'static str, fn(&Row) -> Option<f64>);
@@ -124,5 +124,5 @@ fn is_sorted(rows: &[Row], value: fn(&Row) -> Option<f64>) -> bool {
     let ln_factorial = |count: usize| (1..=count).map(|k| (k as f64).ln()).sum::<f64>();
     let orders = if is_monotone { 2.0f64.ln() } else { ln_factorial(levels.len()) };
     let chance = orders + levels.iter().map(|&count| ln_factorial(count)).sum::<f64>() - ln_factorial(rows.len());
-    chance < SORTED_BY_CHANCE.ln()
+    chance < SORTED_P_VALUE.ln()
 }

@@ -6,7 +6,7 @@ use random::Stream;
 use super::Row;
 
 /// One row in this many is held out.
-const ONE_IN: usize = 3;
+const HELD_OUT_STRIDE: usize = 3;
 /// Number of draws, of which the best balanced is taken.
 const DRAWS: usize = 400;
 /// Number of neighbours in the order of the rows over which the share is balanced as well.
@@ -19,7 +19,7 @@ const LEVEL_LOST: f64 = 1e6;
 /// - `measured`: rows with a removal
 /// - `least`: minimum number of rows worth holding out
 pub(super) fn held_out((rows, measured): (&[Row], &[usize]), least: usize, seed: u64) -> Vec<usize> {
-    let count = measured.len() / ONE_IN;
+    let count = measured.len() / HELD_OUT_STRIDE;
     if count < least {
         return Vec::new();
     }

@@ -33,7 +33,7 @@ pub struct TrialColumn {
     /// SI value of one unit, and of the file's zero.
     pub scale: (f64, f64),
     /// Source of the values in the files.
-    pub given: Given,
+    pub given: QuantitySource,
     /// Place of its name or its unit in the files.
     pub place: Place,
     /// The first place without a number, and the text there. Formulas cannot read such a column.
@@ -42,7 +42,7 @@ pub struct TrialColumn {
 
 /// Source of a quantity in the files.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Given {
+pub enum QuantitySource {
     /// One value for the trial [SI].
     Trial(f64),
     /// The column with this name in its logs.
@@ -58,9 +58,9 @@ impl TrialColumn {
         let (unit, zero) = self.scale;
         let si = |values: &[f64]| values.iter().map(|value| value * unit + zero).collect();
         match &self.given {
-            Given::Trial(value) => vec![*value],
-            Given::Temperature => si(&log.temperature),
-            Given::Logs(header) => {
+            QuantitySource::Trial(value) => vec![*value],
+            QuantitySource::Temperature => si(&log.temperature),
+            QuantitySource::Logs(header) => {
                 let own = log.covariates.iter().find(|covariate| covariate.name == *header);
                 own.map_or_else(Vec::new, |covariate| si(&covariate.values))
             }
@@ -117,7 +117,7 @@ impl Found {
 
 fn shown(column: &TrialColumn) -> String {
     match &column.given {
-        Given::Logs(header) => format!("{header:?}"),
+        QuantitySource::Logs(header) => format!("{header:?}"),
         _ => format!("{:?}", column.name),
     }
 }
@@ -151,7 +151,7 @@ impl Logs<'_> {
             unit: text,
             dimension: unit.dimension(),
             scale: unit.scale(),
-            given: Given::Logs(header.to_owned()),
+            given: QuantitySource::Logs(header.to_owned()),
             place,
             hole: self.hole(header),
         }
@@ -181,7 +181,7 @@ impl Logs<'_> {
             unit: unit.text,
             dimension: unit.unit.dimension(),
             scale: unit.unit.scale(),
-            given: Given::Temperature,
+            given: QuantitySource::Temperature,
             place: unit.place,
             hole: missing.map(hole),
         })
@@ -239,7 +239,7 @@ fn value(
         unit: split(&text).map_or_else(String::new, |(_, unit)| unit.to_owned()),
         dimension: unit.dimension(),
         scale: unit.scale(),
-        given: Given::Trial(unit.to_si(number)),
+        given: QuantitySource::Trial(unit.to_si(number)),
         place: Place::of_byte(&source.file, &source.text, at.start),
         hole: None,
     })

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use files::named_file::{self, Absent};
+use files::named_file::{self, NamedFileError};
 
 use super::error::{Place, TrialError};
 use super::scan::Mirror;
@@ -264,11 +264,11 @@ impl Source {
     pub(crate) fn named(&self, folder: &Path, name: &Spanned<PathBuf>) -> Result<PathBuf, TrialError> {
         let shown = || folder.join(name.get_ref()).display().to_string();
         named_file::place(folder, name.get_ref()).map_err(|absent| match absent {
-            Absent::Missing => {
+            NamedFileError::Missing => {
                 let found = format!("{} is not there", shown());
                 self.bad(name.span(), found, "the name of a file in the folder of this file is expected")
             }
-            Absent::Outside => {
+            NamedFileError::Outside => {
                 let found = format!("{} lies outside the folder of this file", shown());
                 self.bad(name.span(), found, "a file in that folder, or --allow-outside, is expected")
             }

@@ -55,7 +55,7 @@ pub(crate) fn said(campaign: &Path, damage: fn(&Files, &Files)) -> Result<Vec<St
 }
 
 /// Asserts that all kinds of damage are reported as expected.
-pub(crate) fn told(campaign: &Path, kinds: &[Kind]) {
+pub(crate) fn assert_reported(campaign: &Path, kinds: &[Kind]) {
     let mut silent = Vec::new();
     for (name, damage, expected) in kinds {
         let found = said(campaign, *damage);

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::damage::Files;
 use crate::kinds::Said::{Noted, Refused};
-use crate::kinds::{Kind, first_look, told};
+use crate::kinds::{Kind, assert_reported, first_look};
 
 const T: usize = 0;
 const X: usize = 1;
@@ -121,27 +121,27 @@ const KEYS: &[Kind] = &[
 
 #[test]
 fn forces_are_told() {
-    told(&first_look(), FORCES);
+    assert_reported(&first_look(), FORCES);
 }
 
 #[test]
 fn places_are_told() {
-    told(&first_look(), PLACES);
+    assert_reported(&first_look(), PLACES);
 }
 
 #[test]
 fn times_and_speeds_are_told() {
-    told(&first_look(), TIMES);
+    assert_reported(&first_look(), TIMES);
 }
 
 #[test]
 fn logs_of_others_are_told() {
-    told(&first_look(), OTHERS);
+    assert_reported(&first_look(), OTHERS);
 }
 
 #[test]
 fn keys_of_the_manifest_are_told() {
-    told(&first_look(), KEYS);
+    assert_reported(&first_look(), KEYS);
 }
 
 impl Files {

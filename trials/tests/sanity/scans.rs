@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::damage::Files;
 use crate::kinds::Said::{Noted, Refused};
-use crate::kinds::{Kind, first_look, told};
+use crate::kinds::{Kind, assert_reported, first_look};
 
 const COPIED: &[Kind] = &[
     (
@@ -134,22 +134,22 @@ const OTHERS: &[Kind] = &[
 
 #[test]
 fn copied_and_swapped_scans_are_told() {
-    told(&first_look(), COPIED);
+    assert_reported(&first_look(), COPIED);
 }
 
 #[test]
 fn mirrored_and_displaced_scans_are_told() {
-    told(&first_look(), MIRRORED);
+    assert_reported(&first_look(), MIRRORED);
 }
 
 #[test]
 fn scans_in_other_units_are_told() {
-    told(&first_look(), SCALED);
+    assert_reported(&first_look(), SCALED);
 }
 
 #[test]
 fn scans_of_other_trials_are_told() {
-    told(&first_look(), OTHERS);
+    assert_reported(&first_look(), OTHERS);
 }
 
 impl Files {

@@ -73,7 +73,7 @@ const SANDING: &[Kind] = &[
 fn damaged_campaigns_are_told() {
     for (letter, kinds) in [("a", GRINDING), ("d", SANDING)] {
         for place in campaigns(letter) {
-            crate::kinds::told(&place, kinds);
+            crate::kinds::assert_reported(&place, kinds);
         }
     }
 }

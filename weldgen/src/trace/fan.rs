@@ -9,7 +9,7 @@
 use sdf_bake::Mesh;
 
 use super::TraceEnd;
-use crate::topology::{Across, Topology};
+use crate::topology::{EdgeNeighbour, Topology};
 
 /// Limit on the triangles around a vertex, above that of any usable mesh.
 const MOST_WEDGES: usize = 100_000;
@@ -29,7 +29,7 @@ pub(super) struct Fan {
 }
 
 /// A direction at the vertex.
-pub(super) struct Way {
+pub(super) struct VertexDirection {
     pub(super) face: u32,
     pub(super) corner: usize,
     /// Angle [rad] from the edge of the triangle that starts at the corner.
@@ -44,9 +44,9 @@ impl Fan {
         while fan.wedges.len() < MOST_WEDGES {
             // The edge that ends at the corner is the one that starts there in the next triangle.
             let (next, turn) = match topology.across[at.0 as usize][(at.1 + 2) % 3] {
-                Across::Boundary => return Err(TraceEnd::Boundary),
-                Across::NonManifold => return Err(TraceEnd::NonManifold),
-                Across::Face { face, edge, turn } => ((face, usize::from(edge)), turn),
+                EdgeNeighbour::Boundary => return Err(TraceEnd::Boundary),
+                EdgeNeighbour::NonManifold => return Err(TraceEnd::NonManifold),
+                EdgeNeighbour::Face { face, edge, turn } => ((face, usize::from(edge)), turn),
             };
             let corners = mesh.corners(at.0 as usize);
             let [here, after, before] = [0, 1, 2].map(|i| corners[(at.1 + i) % 3]);
@@ -65,7 +65,7 @@ impl Fan {
     /// 3).
     ///
     /// `None` if both sides have an edge sharper than `sharp_angle`: a crease across the path.
-    pub(super) fn opposite(&self, back: f64, sharp_angle: f64) -> Option<Way> {
+    pub(super) fn opposite(&self, back: f64, sharp_angle: f64) -> Option<VertexDirection> {
         let whole: f64 = self.wedges.iter().map(|wedge| wedge.angle).sum();
         let wraps = back + 0.5 * whole >= whole;
         let mut left = if wraps { back - 0.5 * whole } else { back + 0.5 * whole };
@@ -78,6 +78,6 @@ impl Fan {
         let sharp = |wedges: &[Wedge]| wedges.iter().any(|wedge| wedge.turn.abs() > sharp_angle);
         let crease = !wraps && sharp(&self.wedges[..index]) && sharp(&self.wedges[index..]);
         let Wedge { face, corner, angle, .. } = self.wedges[index];
-        (!crease).then(|| Way { face, corner, angle: left.clamp(0.0, angle) })
+        (!crease).then(|| VertexDirection { face, corner, angle: left.clamp(0.0, angle) })
     }
 }

@@ -16,7 +16,7 @@ use glam::{DVec2, DVec3};
 use sdf_bake::Mesh;
 
 use crate::curvature::CurvatureProfile;
-use crate::topology::{Across, Topology};
+use crate::topology::{EdgeNeighbour, Topology};
 use arc::{Arc, LARGEST_TURN};
 use face::FlatFace;
 use fan::Fan;
@@ -178,10 +178,10 @@ impl Walker<'_> {
     /// Crosses an edge; returns the index of the edge in the next triangle.
     fn cross(&mut self, edge: usize) -> Result<usize, TraceEnd> {
         let (next, next_edge) = match self.topology.across[self.face.face as usize][edge] {
-            Across::Boundary => return Err(TraceEnd::Boundary),
-            Across::NonManifold => return Err(TraceEnd::NonManifold),
-            Across::Face { turn, .. } if turn.abs() > self.limits.sharp_angle => return Err(TraceEnd::Sharp),
-            Across::Face { face, edge, .. } => (face, usize::from(edge)),
+            EdgeNeighbour::Boundary => return Err(TraceEnd::Boundary),
+            EdgeNeighbour::NonManifold => return Err(TraceEnd::NonManifold),
+            EdgeNeighbour::Face { turn, .. } if turn.abs() > self.limits.sharp_angle => return Err(TraceEnd::Sharp),
+            EdgeNeighbour::Face { face, edge, .. } => (face, usize::from(edge)),
         };
         let next = FlatFace::new(self.mesh, next).ok_or(TraceEnd::Degenerate)?;
         (self.point, self.heading) = self.face.unfold(edge, self.point, self.heading, &next, next_edge);

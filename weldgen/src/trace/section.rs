@@ -11,7 +11,7 @@ use glam::DVec3;
 use sdf_bake::Mesh;
 
 use super::{Trace, TraceEnd, TraceLimits, TracePoint, TraceStart};
-use crate::topology::{Across, Topology};
+use crate::topology::{EdgeNeighbour, Topology};
 
 /// Greatest sum of the angles [rad] of the concave edges crossed.
 const MAX_HOLLOW: f64 = 0.05;
@@ -88,10 +88,10 @@ impl Cut<'_> {
 
     fn cross(&mut self, edge: usize, share: f64, sharp_angle: f64) -> Result<(), TraceEnd> {
         let (face, there) = match self.topology.across[self.face as usize][edge] {
-            Across::Boundary => return Err(TraceEnd::Boundary),
-            Across::NonManifold => return Err(TraceEnd::NonManifold),
-            Across::Face { turn, .. } if turn.abs() > sharp_angle => return Err(TraceEnd::Sharp),
-            Across::Face { face, edge, turn } => {
+            EdgeNeighbour::Boundary => return Err(TraceEnd::Boundary),
+            EdgeNeighbour::NonManifold => return Err(TraceEnd::NonManifold),
+            EdgeNeighbour::Face { turn, .. } if turn.abs() > sharp_angle => return Err(TraceEnd::Sharp),
+            EdgeNeighbour::Face { face, edge, turn } => {
                 self.hollow += (-turn).max(0.0);
                 (face, usize::from(edge))
             }

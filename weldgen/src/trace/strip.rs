@@ -11,7 +11,7 @@
 use glam::DVec2;
 use sdf_bake::Mesh;
 
-use crate::topology::{Across, Topology};
+use crate::topology::{EdgeNeighbour, Topology};
 
 /// Crossings closer than this to a corner are handled elsewhere, as a share of the edge.
 const NEAR_CORNER: f64 = 1e-10;
@@ -29,7 +29,7 @@ pub(super) struct Entry {
 }
 
 /// State at which [`follow`] stopped.
-pub(super) struct Followed {
+pub(super) struct FollowState {
     pub(super) entry: Entry,
     /// Length followed [m].
     pub(super) length: f64,
@@ -47,7 +47,7 @@ pub(super) struct Bounds {
 }
 
 /// Follows a straight line within its bounds, as long as it crosses whole triangles away from corners.
-pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bounds: &Bounds) -> Followed {
+pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bounds: &Bounds) -> FollowState {
     let Bounds { reach, sharp_angle, most } = *bounds;
     let (mut length, mut crossings) = (0.0, 0);
     while crossings < most {
@@ -70,7 +70,7 @@ pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bou
             break;
         }
         let edge = (entry.edge + if by_second { 1 } else { 2 }) % 3;
-        let Across::Face { face, edge, turn } = topology.across[entry.face as usize][edge] else { break };
+        let EdgeNeighbour::Face { face, edge, turn } = topology.across[entry.face as usize][edge] else { break };
         if turn.abs() > sharp_angle {
             break;
         }
@@ -79,5 +79,5 @@ pub(super) fn follow((mesh, topology): (&Mesh, &Topology), mut entry: Entry, bou
         length += way;
         crossings += 1;
     }
-    Followed { entry, length, crossings }
+    FollowState { entry, length, crossings }
 }

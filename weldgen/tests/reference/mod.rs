@@ -5,7 +5,7 @@ mod double;
 
 use glam::DVec3;
 use sdf_bake::Mesh;
-use weldgen::topology::{Across, Topology};
+use weldgen::topology::{EdgeNeighbour, Topology};
 use weldgen::trace::TraceStart;
 
 use double::{Double, Vector};
@@ -74,7 +74,9 @@ impl Walk {
     }
 
     fn across(&self, mesh: &Mesh, topology: &Topology, way: Double, edge: usize) -> Option<Self> {
-        let Across::Face { face, edge: there, .. } = topology.across[self.face as usize][edge] else { return None };
+        let EdgeNeighbour::Face { face, edge: there, .. } = topology.across[self.face as usize][edge] else {
+            return None;
+        };
         let (_, along, inwards) = Self::edge(mesh, self.face, edge);
         let (_, _, onwards) = Self::edge(mesh, face, usize::from(there));
         let (kept, turned) = (self.direction.dot(along), self.direction.dot(inwards));

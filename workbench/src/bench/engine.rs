@@ -26,7 +26,7 @@ pub(super) struct Engine<'m> {
 }
 
 /// Results of a fit for display.
-pub(super) struct Shown {
+pub(super) struct FitView {
     /// Result as `robofin calibrate` writes it.
     pub(super) answer: CalibrationAnswer,
     /// Content of the report page of `robofin calibrate`.
@@ -45,14 +45,14 @@ impl<'m> Engine<'m> {
     pub(super) fn new(
         mut data: Data<'m>,
         (model, library): (&Model, Library),
-        (stop, told): (&Stop, &dyn Fn(&str)),
+        (stop, on_progress): (&Stop, &dyn Fn(&str)),
     ) -> Result<Self> {
         if let Data::Scans(_, evidence) = &mut data {
             evidence.simulation.stop = stop.clone();
         }
         let model = data.fitting(model.clone(), &library)?;
         let start = data.start(&model, &library)?;
-        let calibration = data.calibrated((&model, &start), &library, (Order::Joint, told))?;
+        let calibration = data.calibrated((&model, &start), &library, (Order::Joint, on_progress))?;
         Ok(Self { library, calibration, data })
     }
 
@@ -72,12 +72,12 @@ impl<'m> Engine<'m> {
     ///
     /// # Errors
     /// If the model cannot be simulated, or was stopped.
-    pub(super) fn shown(&mut self, model: PathBuf) -> Result<Shown> {
+    pub(super) fn shown(&mut self, model: PathBuf) -> Result<FitView> {
         let (answer, report) = CalibrationAnswer::new(&mut self.data, &self.calibration, &self.library, model)?;
         let fitted = &self.calibration.last().fit.model;
         let live = self.data.scans().map(|(_, evidence)| Live::new(evidence, fitted, &report)).transpose()?;
         self.data.free_observation();
-        Ok(Shown { answer, report, live })
+        Ok(FitView { answer, report, live })
     }
 
     /// Returns the fit with one parameter fixed at a value [SI]; the other parameters are predicted from the Jacobian.
@@ -108,9 +108,9 @@ impl<'m> Engine<'m> {
     ///
     /// # Errors
     /// If the model cannot be simulated, or was stopped.
-    pub(super) fn searched(&mut self, told: OnProgress) -> Result<Value> {
+    pub(super) fn searched(&mut self, on_progress: OnProgress) -> Result<Value> {
         let (model, fit) = (&self.calibration.model, self.calibration.last().fit.clone());
-        let diagnosis = Diagnosis::within(self.data.evidence(), (model, fit), &self.library, (SEED, told), 1)?;
+        let diagnosis = Diagnosis::within(self.data.evidence(), (model, fit), &self.library, (SEED, on_progress), 1)?;
         let summary = summary(&mut self.data, &diagnosis, &self.library);
         self.data.free_observation();
         serde_json::to_value(summary?).map_err(LabError::from)

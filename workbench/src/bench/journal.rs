@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use effects::Library;
-use files::file_lock::{FileLock, Patience};
+use files::file_lock::{FileLock, LockWait};
 use files::folder::write_file;
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
 use files::json_file::{parse_json, read_json};
@@ -74,7 +74,7 @@ impl Journal {
     /// If the folder is in use, holds unreadable files, or belongs to other measurements.
     pub(super) fn open(folder: &Path, measured: String) -> Result<(Self, Earlier)> {
         fs::create_dir_all(folder).map_err(FileError::at(folder, "cannot be made"))?;
-        let Some(lock) = FileLock::take(&folder.join(".workbench.lock"), Patience::None)? else {
+        let Some(lock) = FileLock::take(&folder.join(".workbench.lock"), LockWait::None)? else {
             return Err(refused(format!(
                 "{}: another workbench is open on these measurements; close it, or give this one another --out",
                 folder.display()

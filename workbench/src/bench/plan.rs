@@ -11,13 +11,13 @@ pub(super) struct Plan {
     /// Effects that the model may contain.
     pub(super) library: Library,
     /// Change from the current model.
-    pub(super) change: How,
+    pub(super) change: OwnedChange,
     /// Name and text of the effect file made from a typed formula.
     pub(super) effect: Option<(String, String)>,
 }
 
 /// Owned counterpart of [`super::replay::Change`].
-pub(super) enum How {
+pub(super) enum OwnedChange {
     /// The first model.
     Base,
     /// One effect is added.

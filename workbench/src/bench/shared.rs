@@ -47,7 +47,7 @@ pub(super) struct Job {
 
 /// A parameter fixed by its slider, and the response of the other parameters.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Held {
+pub(super) struct FixedParameter {
     pub(super) parameter: String,
     pub(super) value: f64,
     /// Robust sum of squared residuals with the parameter fixed, and of the free fit.
@@ -82,7 +82,7 @@ pub(crate) struct State {
     pub(super) stages: Vec<Arc<Stage>>,
     pub(super) trail: Trail,
     pub(super) suspects: Option<Suspects>,
-    pub(super) held: Option<Held>,
+    pub(super) held: Option<FixedParameter>,
     pub(super) reader: Option<Arc<Reader>>,
     pub(super) surfaces: Option<Arc<Surfaces>>,
 }

@@ -6,10 +6,10 @@ use effects::{CompiledModel, Model};
 use lab::{Fit, LabError, Result};
 
 use super::engine::Engine;
-use super::shared::Held;
+use super::shared::FixedParameter;
 
 /// A free parameter and the value at which it is fixed.
-pub(super) struct Slid {
+pub(super) struct SliderSetting {
     /// Index among the fitted coordinates.
     pub(super) place: usize,
     /// Value [SI].
@@ -17,7 +17,7 @@ pub(super) struct Slid {
     name: String,
 }
 
-impl Slid {
+impl SliderSetting {
     /// Finds a free parameter by name and converts its value from the displayed unit; clamps it to its range.
     ///
     /// # Errors
@@ -64,13 +64,13 @@ impl Slid {
     }
 
     /// Collects the response of the other parameters for the page.
-    pub(super) fn held(&self, engine: &Engine, (fit, rms): (&Fit, Option<f64>), since: Instant) -> Held {
+    pub(super) fn held(&self, engine: &Engine, (fit, rms): (&Fit, Option<f64>), since: Instant) -> FixedParameter {
         let value = |model: &CompiledModel, c: &lab::Coordinate| {
             let number = c.slot.unit.from_si(model.value(c.index));
             format!("{} {}", four_digits(number), study::with_raised_powers(&c.slot.unit_text)).trim_end().to_owned()
         };
         let others = fit.coordinates.iter().map(|c| (c.slot.name(), value(&fit.model, c))).collect();
-        Held {
+        FixedParameter {
             parameter: self.name.clone(),
             value: self.shown(engine.fit()),
             chi2: [fit.chi2, engine.fit().chi2],

@@ -16,12 +16,12 @@ use report::study::{Sections, page};
 use study::{Data, Hypothesis, Measurements, STUDY_FILE, StudyRecord, aligned, inputs_sha256};
 use trials::trial::Campaign;
 
-use super::engine::{Engine, Shown};
+use super::engine::{Engine, FitView};
 use super::journal::{Journal, Texts};
-use super::plan::{How, Plan};
+use super::plan::{OwnedChange, Plan};
 use super::replay::{self, Change};
 use super::shared::{Job, Phase, Reader, Shared};
-use super::slider::{Slid, four_digits};
+use super::slider::{SliderSetting, four_digits};
 use super::stage::{Errors, Record, Slider, Stage};
 use super::suspects::Suspects;
 use super::task::Task;
@@ -143,7 +143,7 @@ impl<'m> Worker<'m> {
         match task {
             Task::Add { effect } => {
                 let hypothesis = Hypothesis::listed(self.library.clone(), effect)?;
-                self.grow(hypothesis, How::Add(effect.clone()), format!("+ {effect}"))
+                self.grow(hypothesis, OwnedChange::Add(effect.clone()), format!("+ {effect}"))
             }
             Task::Formula { line } => self.formula(line),
             Task::Remove { effect } => self.remove(effect),
@@ -207,11 +207,11 @@ impl<'m> Worker<'m> {
         let model = Model::new(data.evidence().process());
         self.fresh = Some(data);
         let library = self.library.clone();
-        self.make(Plan { label: BASE.to_owned(), model, library, change: How::Base, effect: None })
+        self.make(Plan { label: BASE.to_owned(), model, library, change: OwnedChange::Base, effect: None })
     }
 
     /// Adds an effect to the current model and fits it.
-    fn grow(&mut self, hypothesis: Hypothesis, change: How, label: String) -> Result<()> {
+    fn grow(&mut self, hypothesis: Hypothesis, change: OwnedChange, label: String) -> Result<()> {
         let model = self.standing()?;
         let Hypothesis { library, name, file, .. } = hypothesis;
         if model.effects.iter().any(|effect| effect.name == name) {
@@ -229,7 +229,7 @@ impl<'m> Worker<'m> {
         let hypothesis = Hypothesis::typed((&data, &model), self.library.clone(), (line, number), &[]);
         self.fresh = Some(data);
         let hypothesis = hypothesis?;
-        let change = How::Add(hypothesis.name.clone());
+        let change = OwnedChange::Add(hypothesis.name.clone());
         let label = format!("+ {}: {line}", hypothesis.name);
         self.grow(hypothesis, change, label)
     }
@@ -243,19 +243,19 @@ impl<'m> Worker<'m> {
         let prefix = format!("{effect}.");
         model.free.iter_mut().for_each(|free| free.retain(|path| !path.starts_with(&prefix)));
         model.ranges.retain(|(path, _)| !path.starts_with(&prefix));
-        let (library, change) = (self.library.clone(), How::Remove(effect.to_owned()));
+        let (library, change) = (self.library.clone(), OwnedChange::Remove(effect.to_owned()));
         self.make(Plan { label: format!("\u{2212} {effect}"), model, library, change, effect: None })
     }
 
     fn keep(&mut self, parameter: &str, value: f64) -> Result<()> {
         self.renew()?;
         let (_, engine) = self.engines.back().expect("renewed above");
-        let slid = Slid::new(engine.fit(), parameter, value)?;
+        let slid = SliderSetting::new(engine.fit(), parameter, value)?;
         let model = slid.in_model(&engine.calibration.model, engine.fit());
         let unit = &engine.fit().coordinates[slid.place].slot.unit_text;
         let label = format!("{parameter} held at {} {unit}", four_digits(slid.shown(engine.fit())));
         let library = self.library.clone();
-        self.make(Plan { label, model, library, change: How::Written, effect: None })
+        self.make(Plan { label, model, library, change: OwnedChange::Written, effect: None })
     }
 
     fn hold(&mut self, (parameter, value): (&str, f64), is_last: bool) -> Result<()> {
@@ -263,7 +263,7 @@ impl<'m> Worker<'m> {
         let since = Instant::now();
         let shared = self.shared;
         let (_, engine) = self.engines.back_mut().expect("renewed above");
-        let slid = Slid::new(engine.fit(), parameter, value)?;
+        let slid = SliderSetting::new(engine.fit(), parameter, value)?;
         let coarse = engine.held(slid.place, slid.value)?;
         let held = slid.held(engine, (&coarse, None), since);
         shared.change(|state| state.held = Some(held));
@@ -282,25 +282,25 @@ impl<'m> Worker<'m> {
         self.renew()?;
         self.begin("searching the library", 1);
         let shared = self.shared;
-        let told = |what: &str, done: usize, all: usize| {
+        let on_progress = |what: &str, done: usize, all: usize| {
             shared.change(|state| {
                 state.job.iter_mut().for_each(|job| (job.what, job.done, job.all) = (what.to_owned(), done, all));
             });
         };
         let (number, engine) = self.engines.back_mut().expect("renewed above");
-        let diagnosis = engine.searched(&told)?;
+        let diagnosis = engine.searched(&on_progress)?;
         let source = format!("search beside model {number}");
         shared.change(|state| state.suspects = Suspects::of(source, &diagnosis));
         Ok(())
     }
 
     /// Fits a model and simulates its fields and maps.
-    fn fitted(&mut self, model: &Model, library: Library, number: usize) -> Result<(Engine<'m>, Shown)> {
+    fn fitted(&mut self, model: &Model, library: Library, number: usize) -> Result<(Engine<'m>, FitView)> {
         let all = 3 + model.effects.len();
         self.begin(&format!("fitting model {number}"), all);
         let data = self.fresh()?;
-        let told = |name: &str| self.advance(&format!("fitting model {number}: {name} is done"));
-        let mut engine = Engine::new(data, (model, library), (&self.shared.stop, &told))?;
+        let on_progress = |name: &str| self.advance(&format!("fitting model {number}: {name} is done"));
+        let mut engine = Engine::new(data, (model, library), (&self.shared.stop, &on_progress))?;
         self.advance("simulating maps and fields");
         let shown = engine.shown(PathBuf::from(format!("replay/{number}/model.toml")))?;
         match self.shared.stop.load(Ordering::Relaxed) {
@@ -349,10 +349,10 @@ impl<'m> Worker<'m> {
         let effects = is_typed.then_some(folder.as_path());
         let places = replay::Places { campaign: &self.setup.place.path, out: &self.setup.out, effects };
         let change = match &plan.change {
-            How::Base => Change::Base,
-            How::Add(name) => Change::Add(name),
-            How::Remove(name) => Change::Remove(name),
-            How::Written => Change::Written,
+            OwnedChange::Base => Change::Base,
+            OwnedChange::Add(name) => Change::Add(name),
+            OwnedChange::Remove(name) => Change::Remove(name),
+            OwnedChange::Written => Change::Written,
         };
         replay::commands(&places, numbers, change)
     }

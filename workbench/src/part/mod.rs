@@ -7,7 +7,7 @@ mod probe;
 mod section;
 mod surfaces;
 
-pub(crate) use picture::{Asked, Looked, drawn};
+pub(crate) use picture::{PictureData, PictureRequest, drawn};
 pub(crate) use probe::probed;
 pub(crate) use section::{Line, section};
 pub(crate) use surfaces::Surfaces;

@@ -1,7 +1,7 @@
 //! A drawing coloured by a map: the shading is kept, the colour comes from the value at the position.
 
 use glam::{DVec2, Vec3};
-use render::{BASE_STEEL, Frame, Picture, Seen, colour_map, from_srgb8, to_srgb8};
+use render::{BASE_STEEL, Frame, Picture, VisibleObject, colour_map, from_srgb8, to_srgb8};
 use report::study::ColourScale;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ const NEITHER: [u8; 3] = [0xee, 0xee, 0xea];
 pub(super) fn painted(frame: &Frame, colour: impl Fn(usize) -> [u8; 3]) -> Picture {
     let mut picture = frame.to_srgb8();
     let steel = luminance(BASE_STEEL.diffuse);
-    for at in (0..frame.seen.len()).filter(|&at| frame.seen[at] == Seen::Part) {
+    for at in (0..frame.seen.len()).filter(|&at| frame.seen[at] == VisibleObject::Part) {
         let light = (luminance(frame.colour[at]) / steel).clamp(LIGHT[0], LIGHT[1]);
         let lit = from_srgb8(colour(at)) * light;
         picture.rgb[3 * at..3 * at + 3].copy_from_slice(&to_srgb8(lit.min(Vec3::ONE)));

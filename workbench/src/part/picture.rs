@@ -40,7 +40,7 @@ pub(crate) enum Mode {
 /// Source of the drawn surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Whose {
+pub(crate) enum SurfaceSource {
     /// Surface simulated with the model.
     Simulated,
     /// Scanned surface.
@@ -49,13 +49,13 @@ pub(crate) enum Whose {
 
 /// Request for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub(crate) struct Asked {
+pub(crate) struct PictureRequest {
     /// Index of the trial, from 0.
     pub(crate) trial: usize,
     /// Number of passes done.
     pub(crate) pass: usize,
     /// Source of the surface.
-    pub(crate) whose: Whose,
+    pub(crate) whose: SurfaceSource,
     /// Colour mode.
     pub(crate) mode: Mode,
     /// See [`Turn::azimuth`].
@@ -78,14 +78,14 @@ pub(crate) struct Asked {
 
 /// Data for pictures: the scans, and the simulated model if there is one.
 #[derive(Clone)]
-pub(crate) struct Looked {
+pub(crate) struct PictureData {
     /// Scanned surfaces.
     pub(crate) surfaces: Arc<Surfaces>,
     /// Fields and maps of the current model.
     pub(crate) live: Option<Arc<Live>>,
 }
 
-impl Asked {
+impl PictureRequest {
     /// Returns the camera parameters.
     fn turn(&self) -> Turn {
         let Self { azimuth, elevation, zoom, right, up, .. } = *self;
@@ -93,16 +93,16 @@ impl Asked {
     }
 }
 
-impl Looked {
+impl PictureData {
     /// Returns the requested trial.
-    pub(super) fn trial(&self, asked: &Asked) -> Result<&ScannedTrial, Refusal> {
+    pub(super) fn trial(&self, asked: &PictureRequest) -> Result<&ScannedTrial, Refusal> {
         let trial = self.surfaces.trials.get(asked.trial).filter(|trial| asked.pass <= trial.scans.len());
         trial.ok_or_else(|| Refusal::missing("there is no such trial or pass"))
     }
 
     /// Returns the field of the surface after `pass` passes.
-    pub(super) fn field(&self, asked: &Asked, pass: usize) -> Result<Arc<BrickGrid>, Refusal> {
-        if asked.whose == Whose::Measured {
+    pub(super) fn field(&self, asked: &PictureRequest, pass: usize) -> Result<Arc<BrickGrid>, Refusal> {
+        if asked.whose == SurfaceSource::Measured {
             return self.trial(asked)?.field(pass).map_err(Refusal::wrong);
         }
         let live = self.live.as_ref().ok_or_else(|| Refusal::early("the model is not simulated yet"))?;
@@ -111,7 +111,7 @@ impl Looked {
     }
 
     /// Returns the residual map of the last pass done; `None` before the first pass, and without a simulated model.
-    pub(super) fn map(&self, asked: &Asked) -> Option<&ScanMap> {
+    pub(super) fn map(&self, asked: &PictureRequest) -> Option<&ScanMap> {
         self.live.as_ref()?.map(asked.trial, asked.pass.checked_sub(1)?)
     }
 }
@@ -126,7 +126,7 @@ pub(super) fn threads() -> &'static ThreadPool {
 ///
 /// # Errors
 /// If there is no such surface, or the model is not simulated yet.
-pub(crate) fn drawn(looked: &Looked, asked: &Asked) -> Result<(Vec<u8>, Value), Refusal> {
+pub(crate) fn drawn(looked: &PictureData, asked: &PictureRequest) -> Result<(Vec<u8>, Value), Refusal> {
     let [least, most] = SIDES;
     if !(least..=most).contains(&asked.width) || !(least..=most).contains(&asked.height) {
         return Err(Refusal::wrong(format!("pictures of {least} to {most} pixels along each side are accepted")));
@@ -135,7 +135,7 @@ pub(crate) fn drawn(looked: &Looked, asked: &Asked) -> Result<(Vec<u8>, Value), 
     Ok((png(&picture), legend))
 }
 
-fn picture(looked: &Looked, asked: &Asked) -> Result<(Picture, Value), Refusal> {
+fn picture(looked: &PictureData, asked: &PictureRequest) -> Result<(Picture, Value), Refusal> {
     let (trial, field) = (looked.trial(asked)?, looked.field(asked, asked.pass)?);
     let camera = asked.turn().camera(&trial.before, (asked.width, asked.height));
     let samples_per_side = if asked.fine { 2 } else { 1 };
@@ -163,7 +163,7 @@ fn picture(looked: &Looked, asked: &Asked) -> Result<(Picture, Value), Refusal> 
 }
 
 /// Renders the geometry buffer at the centre of each pixel, with removed depth.
-pub(super) fn seen(looked: &Looked, asked: &Asked) -> Result<Frame, Refusal> {
+pub(super) fn seen(looked: &PictureData, asked: &PictureRequest) -> Result<Frame, Refusal> {
     let (trial, field, before) = (looked.trial(asked)?, looked.field(asked, asked.pass)?, looked.field(asked, 0)?);
     let camera = asked.turn().camera(&trial.before, (asked.width, asked.height));
     let removed = Some(RemovedView { before: &before, full_scale: Some(1.0) });

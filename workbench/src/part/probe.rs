@@ -1,10 +1,10 @@
 //! Values at a clicked pixel.
 
-use render::Seen;
+use render::VisibleObject;
 use serde_json::{Value, json};
 
 use super::paint::place;
-use super::picture::{Asked, Looked, Whose, seen};
+use super::picture::{PictureData, PictureRequest, SurfaceSource, seen};
 use crate::bench::{Residuals, interpolated};
 use crate::error::Refusal;
 
@@ -14,10 +14,10 @@ use crate::error::Refusal;
 ///
 /// # Errors
 /// If the pixel does not show the part, or there is no surface yet.
-pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> Result<Value, Refusal> {
+pub(crate) fn probed(looked: &PictureData, asked: &PictureRequest, (x, y): (usize, usize)) -> Result<Value, Refusal> {
     let frame = seen(looked, asked)?;
     let at = y * frame.width + x;
-    if x >= frame.width || y >= frame.height || frame.seen[at] != Seen::Part {
+    if x >= frame.width || y >= frame.height || frame.seen[at] != VisibleObject::Part {
         return Err(Refusal::missing("no part is there"));
     }
     let (position, here) = (frame.position[at].as_dvec3(), place(&frame, at));
@@ -28,7 +28,7 @@ pub(crate) fn probed(looked: &Looked, asked: &Asked, (x, y): (usize, usize)) -> 
     let left = map.and_then(|map| map.left_at(here));
     // With a model, the measured height is the registered scan (simulated height plus residual); otherwise the raw
     // scan.
-    let measured = match left.filter(|_| asked.whose == Whose::Simulated) {
+    let measured = match left.filter(|_| asked.whose == SurfaceSource::Simulated) {
         Some(left) => position.z + left,
         None => trial.heights(asked.pass).map_or(f64::NAN, |map| interpolated(&map.pixels, &map.heights, here)),
     };

@@ -5,7 +5,7 @@ use report::{Chart, Series, Stroke, stacked};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::picture::{Asked, Looked};
+use super::picture::{PictureData, PictureRequest};
 use crate::bench::{Residuals, ScanMap, interpolated};
 use crate::error::Refusal;
 
@@ -37,7 +37,7 @@ struct Along {
 ///
 /// # Errors
 /// If the line lies outside the scan, or there is no height scan.
-pub(crate) fn section(looked: &Looked, asked: &Asked, line: &Line) -> Result<Value, Refusal> {
+pub(crate) fn section(looked: &PictureData, asked: &PictureRequest, line: &Line) -> Result<Value, Refusal> {
     let map =
         looked.map(asked).ok_or_else(|| Refusal::early("a section needs a pass, and a model that is simulated"))?;
     let Residuals::Heights { left, floor, .. } = &map.residuals else {
@@ -74,7 +74,12 @@ pub(crate) fn section(looked: &Looked, asked: &Asked, line: &Line) -> Result<Val
     Ok(json!({ "svg": svg, "words": words, "rmsUm": rms, "floorUm": 1e6 * floor, "leftUm": along.left }))
 }
 
-fn along(looked: &Looked, asked: &Asked, (map, left): (&ScanMap, &[f64]), line: &Line) -> Result<Along, Refusal> {
+fn along(
+    looked: &PictureData,
+    asked: &PictureRequest,
+    (map, left): (&ScanMap, &[f64]),
+    line: &Line,
+) -> Result<Along, Refusal> {
     let (from, to) = (1e-3 * DVec2::new(line.x0, line.y0), 1e-3 * DVec2::new(line.x1, line.y1));
     let length = from.distance(to);
     if !(length.is_finite() && length > 0.0) {

@@ -10,12 +10,12 @@ use gltf::buffer::Source;
 
 use super::malformed;
 use crate::read::ReadError;
-use crate::read::bytes::Beside;
+use crate::read::bytes::SiblingFiles;
 use files::input::{self, MOST_MESH_BYTES, measured};
 
 /// Reads the files that a document names as its buffers, each once.
-pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<Beside, ReadError> {
-    let mut beside = Beside::new();
+pub(super) fn load_beside(document: &Document, folder: &Path) -> Result<SiblingFiles, ReadError> {
+    let mut beside = SiblingFiles::new();
     for buffer in document.buffers() {
         let Source::Uri(uri) = buffer.source() else { continue };
         if uri.starts_with("data:") || beside.contains_key(uri) {
@@ -46,7 +46,7 @@ fn folder_of(folder: &Path) -> &Path {
 pub(super) fn gather<'a>(
     document: &Document,
     mut blob: Option<&'a [u8]>,
-    beside: &'a Beside,
+    beside: &'a SiblingFiles,
 ) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
     let mut buffers = Vec::new();
     for buffer in document.buffers() {

@@ -18,7 +18,7 @@ use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{ToolPath, ToolPose};
 use super::super::{HeldTool, Trial};
 use super::{Names, Surfaces, touching};
-use crate::measure::{CLEARANCE, Freedom, median, register};
+use crate::measure::{CLEARANCE, DegreesOfFreedom, median, register};
 use robot::{Tool, Wheel};
 
 /// Largest gap between a tool in contact and the surface [m]: five times the clearance for errors of pose, scan and
@@ -48,7 +48,7 @@ const SAME_RADIUS: f64 = 0.1;
 
 /// Hypothetical mistake in the files.
 #[derive(Clone, Copy, Default)]
-struct Supposed {
+struct SupposedMistake {
     /// Added to the tool's height over the part [m].
     lift: f64,
     /// Factor on the tool's z.
@@ -68,7 +68,7 @@ struct Gaps {
 }
 
 /// A pass with the surfaces before and after it, in the frame of the first scan.
-struct Worked<'a> {
+struct PassSurfaces<'a> {
     tool: &'a HeldTool,
     poses: Vec<&'a ToolPose>,
     before: &'a HeightMap,
@@ -78,7 +78,7 @@ struct Worked<'a> {
 /// Smallest gap between a tool and a surface on its whole path [m]; `None` if it never was over the map.
 pub fn least_gap(tool: &HeldTool, path: &ToolPath, map: &HeightMap) -> Option<f64> {
     let poses = spread_out(&path.poses.iter().collect::<Vec<_>>(), &map.pixels);
-    let gaps = poses.par_iter().filter_map(|pose| gap(tool, pose, (map, Supposed::default())));
+    let gaps = poses.par_iter().filter_map(|pose| gap(tool, pose, (map, SupposedMistake::default())));
     gaps.collect::<Vec<f64>>().into_iter().reduce(f64::min)
 }
 
@@ -107,9 +107,9 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     for (pass, path) in surfaces.paths.iter().enumerate() {
         let after = surfaces.after.get(pass).map(|after| levelled(after, surfaces, pass));
         let poses = spread_out(&touching(path), &surfaces.before.pixels);
-        let worked = Worked { tool: &trial.tool, poses, before: &earlier.0, after: after.as_ref() };
+        let worked = PassSurfaces { tool: &trial.tool, poses, before: &earlier.0, after: after.as_ref() };
         let files = Files { log: &trial.folder.join(names.logs[pass]), before: earlier.1, after: names.scans[pass] };
-        if let Some(gaps) = worked.gaps(Supposed::default()) {
+        if let Some(gaps) = worked.gaps(SupposedMistake::default()) {
             notes.extend(judge(&worked, gaps, &files)?.map(|note| format!("{}: {note}", names.logs[pass].display())));
         }
         if let Some(after) = after {
@@ -122,7 +122,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 /// A scan registered with the first one by offset and tilt; unchanged if that fails.
 pub(super) fn levelled(after: &HeightMap, surfaces: &Surfaces, pass: usize) -> HeightMap {
     let free = surfaces.free_until(pass);
-    let found = register(after, &surfaces.before, Freedom::Plane, |at| free[at]);
+    let found = register(after, &surfaces.before, DegreesOfFreedom::Plane, |at| free[at]);
     found.map_or_else(|_| after.clone(), |found| found.levelled(after))
 }
 
@@ -142,15 +142,15 @@ struct Files<'a> {
 }
 
 /// Refuses gaps that no contact has; returns a note on those that only a soft tool or an offset explains.
-fn judge(worked: &Worked, gaps: Gaps, files: &Files) -> Result<Option<String>, TrialError> {
-    let told = |gap: f64, file: &Path| format!("z_mm: {}", describe(gap, file));
+fn judge(worked: &PassSurfaces, gaps: Gaps, files: &Files) -> Result<Option<String>, TrialError> {
+    let described = |gap: f64, file: &Path| format!("z_mm: {}", describe(gap, file));
     if worked.is_contact(gaps) {
         // A pad's foam may be compressed by millimetres, which no file records.
         let is_deep = gaps.after < -ABOVE && worked.after.is_some();
         return Ok(if gaps.before > HIGH {
-            Some(told(gaps.before, files.before))
+            Some(described(gaps.before, files.before))
         } else {
-            (is_deep || gaps.after > HIGH).then(|| told(gaps.after, files.after))
+            (is_deep || gaps.after > HIGH).then(|| described(gaps.after, files.after))
         });
     }
     if gaps.before <= ABOVE && gaps.after > ABOVE {
@@ -166,7 +166,7 @@ fn judge(worked: &Worked, gaps: Gaps, files: &Files) -> Result<Option<String>, T
     }
     let (gap, file) = if gaps.before > ABOVE { (gaps.before, files.before) } else { (gaps.after, files.after) };
     Err(Place::file(files.log)
-        .bad(told(gap, file), format!("contact is expected: {}", worked.guesses(gap).join(" or "))))
+        .bad(described(gap, file), format!("contact is expected: {}", worked.guesses(gap).join(" or "))))
 }
 
 /// Description of a gap.
@@ -175,7 +175,7 @@ fn describe(gap: f64, surface: &Path) -> String {
     format!("while it presses, the tool lies {size:.2} mm {side} the surface of {}", surface.display())
 }
 
-impl Worked<'_> {
+impl PassSurfaces<'_> {
     /// True if such gaps are plausible for a tool in contact.
     fn is_contact(&self, gaps: Gaps) -> bool {
         let gives = match &self.tool.shape {
@@ -186,7 +186,7 @@ impl Worked<'_> {
     }
 
     /// Medians over the poses; `None` if no pose has a surface below it.
-    fn gaps(&self, supposed: Supposed) -> Option<Gaps> {
+    fn gaps(&self, supposed: SupposedMistake) -> Option<Gaps> {
         let to = |map: &HeightMap| {
             let gaps = self.poses.par_iter().filter_map(|pose| gap(self.tool, &supposed.pose(pose), (map, supposed)));
             median(gaps.collect())
@@ -200,19 +200,19 @@ impl Worked<'_> {
         // With the mistake corrected, a wheel lies on the surface; the compression of a pad's foam is unknown.
         let is_near = |gaps: &Gaps| gaps.after >= -ABOVE || matches!(self.tool.shape, Tool::Pad(_));
         let explains = |supposed| self.gaps(supposed).is_some_and(|gaps| self.is_contact(gaps) && is_near(&gaps));
-        let log = |scale: f64| Supposed { log_scale: Some(scale), ..Supposed::default() };
-        let maps = |scale: f64| Supposed { map_scale: Some(scale), ..Supposed::default() };
-        let mut known: Vec<(Supposed, &str)> = vec![
+        let log = |scale: f64| SupposedMistake { log_scale: Some(scale), ..SupposedMistake::default() };
+        let maps = |scale: f64| SupposedMistake { map_scale: Some(scale), ..SupposedMistake::default() };
+        let mut known: Vec<(SupposedMistake, &str)> = vec![
             (maps(1e3), "the heights of the scans look like m"),
             (maps(-1.0), "the heights of the scans have the other sign"),
             (log(1e3), "z_mm looks like m"),
             (log(1e-3), "z_mm looks like µm"),
             (log(-1.0), "z_mm has the other sign"),
-            (Supposed { turned: true, ..Supposed::default() }, "nx, ny, nz point into the part"),
+            (SupposedMistake { turned: true, ..SupposedMistake::default() }, "nx, ny, nz point into the part"),
         ];
         if let Tool::Wheel(Wheel { radius, .. }) = self.tool.shape {
             known.push((
-                Supposed { lift: radius, ..Supposed::default() },
+                SupposedMistake { lift: radius, ..SupposedMistake::default() },
                 "z_mm is the wheel's lowest point, not its centre",
             ));
         }
@@ -236,7 +236,7 @@ impl Worked<'_> {
     }
 }
 
-impl Supposed {
+impl SupposedMistake {
     fn pose(self, pose: &ToolPose) -> ToolPose {
         let approach = if self.turned { -pose.approach } else { pose.approach };
         let centre = pose.centre * DVec3::new(1.0, 1.0, self.log_scale.unwrap_or(1.0)) + self.lift * approach;
@@ -246,7 +246,7 @@ impl Supposed {
 
 /// Distance that the tool must move against its approach axis to touch the map [m]; negative if it lies inside. `None`
 /// if no pixel lies below it.
-fn gap(tool: &HeldTool, pose: &ToolPose, (map, supposed): (&HeightMap, Supposed)) -> Option<f64> {
+fn gap(tool: &HeldTool, pose: &ToolPose, (map, supposed): (&HeightMap, SupposedMistake)) -> Option<f64> {
     let (pixels, scale, disc) = (map.pixels, supposed.map_scale.unwrap_or(1.0), tool.shape.rim_radius());
     let lift = |(at, &height): (usize, &f64)| {
         let place = pixels.position(at % pixels.nx, at / pixels.nx);

@@ -30,7 +30,7 @@ const WAYS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 
 /// Alternative reading of a mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Otherwise {
+enum AlternativeReading {
     MirroredX,
     MirroredY,
     HalfTurn,
@@ -40,7 +40,7 @@ enum Otherwise {
 }
 
 /// Positions of the pad, and their durations.
-struct Stay<'a> {
+struct DwellPositions<'a> {
     poses: Vec<(&'a ToolPose, f64)>,
     radius: f64,
 }
@@ -59,7 +59,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     check_order(trial, &masks, names)?;
     let mut notes = Vec::new();
     for (number, mask) in masks.iter().enumerate() {
-        let stay = Stay::of(&surfaces.paths[..=number], radius);
+        let stay = DwellPositions::of(&surfaces.paths[..=number], radius);
         let place = Place::file(&trial.folder.join(names.scans[number]));
         notes
             .extend(judge(mask, &stay, place, trial)?.map(|note| format!("{}: {note}", names.scans[number].display())));
@@ -68,11 +68,16 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 }
 
 /// Refuses a mask that an alternative reading explains far better; returns a note if it is likelier.
-fn judge(mask: &ExposureMask, stay: &Stay, place: Place, trial: &Trial) -> Result<Option<String>, TrialError> {
+fn judge(
+    mask: &ExposureMask,
+    stay: &DwellPositions,
+    place: Place,
+    trial: &Trial,
+) -> Result<Option<String>, TrialError> {
     let feed = trial.passes.iter().map(|pass| pass.feed).fold(0.0, f64::max);
     let here = stay.likelihood(mask, None);
     let all = readings(stay.radius, feed);
-    let tried: Vec<(Otherwise, f64)> =
+    let tried: Vec<(AlternativeReading, f64)> =
         all.par_iter().map(|&reading| (reading, stay.likelihood(mask, Some(reading)) - here)).collect();
     let Some((reading, gain)) = tried.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
     let found = format!("what is exposed fits the path of the pad exp({gain:.0}) times better where {reading}");
@@ -82,16 +87,21 @@ fn judge(mask: &ExposureMask, stay: &Stay, place: Place, trial: &Trial) -> Resul
     Ok((gain > odds::NOTED.ln()).then_some(found))
 }
 
-fn readings(radius: f64, feed: f64) -> Vec<Otherwise> {
-    let mut all = vec![Otherwise::MirroredX, Otherwise::MirroredY, Otherwise::HalfTurn, Otherwise::Inverted];
-    all.extend([0.1, 0.5, 2.0, 10.0].map(Otherwise::Radius));
+fn readings(radius: f64, feed: f64) -> Vec<AlternativeReading> {
+    let mut all = vec![
+        AlternativeReading::MirroredX,
+        AlternativeReading::MirroredY,
+        AlternativeReading::HalfTurn,
+        AlternativeReading::Inverted,
+    ];
+    all.extend([0.1, 0.5, 2.0, 10.0].map(AlternativeReading::Radius));
     for way in WAYS.map(|way| way * radius).into_iter().filter(|way| *way > odds::displaced_by_effects(feed)) {
-        all.extend([DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y].map(|along| Otherwise::Displaced(way * along)));
+        all.extend([DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y].map(|along| AlternativeReading::Displaced(way * along)));
     }
     all
 }
 
-impl<'a> Stay<'a> {
+impl<'a> DwellPositions<'a> {
     fn of(paths: &'a [ToolPath], radius: f64) -> Self {
         let mut poses = Vec::new();
         for path in paths {
@@ -116,14 +126,14 @@ impl<'a> Stay<'a> {
     }
 
     /// Log-likelihood of a mask under an alternative reading.
-    fn likelihood(&self, mask: &ExposureMask, reading: Option<Otherwise>) -> f64 {
+    fn likelihood(&self, mask: &ExposureMask, reading: Option<AlternativeReading>) -> f64 {
         let PixelGrid { origin, pitch, nx, ny } = mask.pixels;
         let ends = origin + mask.pixels.position(nx - 1, ny - 1);
         let (mut radius, mut inverted) = (self.radius, false);
-        if let Some(Otherwise::Radius(factor)) = reading {
+        if let Some(AlternativeReading::Radius(factor)) = reading {
             radius *= factor
         }
-        if reading == Some(Otherwise::Inverted) {
+        if reading == Some(AlternativeReading::Inverted) {
             inverted = true
         }
         let stride = (0.25 * SQUARE * self.radius / pitch).floor().max(1.0) as usize;
@@ -133,10 +143,10 @@ impl<'a> Stay<'a> {
             let exposed = mask.exposed[at]? != inverted;
             let place = mask.pixels.position(at % nx, at / nx);
             let place = match reading {
-                Some(Otherwise::MirroredX) => DVec2::new(ends.x - place.x, place.y),
-                Some(Otherwise::MirroredY) => DVec2::new(place.x, ends.y - place.y),
-                Some(Otherwise::HalfTurn) => ends - place,
-                Some(Otherwise::Displaced(way)) => place + way,
+                Some(AlternativeReading::MirroredX) => DVec2::new(ends.x - place.x, place.y),
+                Some(AlternativeReading::MirroredY) => DVec2::new(place.x, ends.y - place.y),
+                Some(AlternativeReading::HalfTurn) => ends - place,
+                Some(AlternativeReading::Displaced(way)) => place + way,
                 _ => place,
             };
             Some((self.time(place, radius), exposed))
@@ -207,7 +217,7 @@ fn border(mask: &ExposureMask) -> f64 {
     (0..all.len()).filter(is_border).count() as f64
 }
 
-impl Otherwise {
+impl AlternativeReading {
     fn guess(self) -> String {
         match self {
             Self::MirroredX => {
@@ -224,7 +234,7 @@ impl Otherwise {
     }
 }
 
-impl fmt::Display for Otherwise {
+impl fmt::Display for AlternativeReading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::MirroredX => f.write_str("it is mirrored along x"),

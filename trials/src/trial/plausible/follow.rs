@@ -6,7 +6,7 @@ use sdf_bake::HeightMap;
 use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces, odds, touching};
-use crate::measure::{Freedom, centre_and_sigma, register};
+use crate::measure::{DegreesOfFreedom, centre_and_sigma, register};
 
 /// Rise that exceeds noise [robust standard deviations of the untouched surface], and its minimum size [m].
 const RISE: (f64, f64) = (4.0, 2e-6);
@@ -39,7 +39,9 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 
 /// Checks that a scan can follow another; returns notes on oddities.
 fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> Result<Vec<String>, TrialError> {
-    let Ok(found) = register(now, earlier, Freedom::PlaneAndShift, |at| free[at]) else { return Ok(Vec::new()) };
+    let Ok(found) = register(now, earlier, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else {
+        return Ok(Vec::new());
+    };
     let touched: Vec<usize> = (0..free.len()).filter(|&at| !free[at]).collect();
     if found.pixels < LEAST_PIXELS || touched.len() < LEAST_PIXELS {
         return Ok(Vec::new());
@@ -79,7 +81,7 @@ fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> 
 fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
     let (now, free) = (surfaces.after.get(pass)?, &surfaces.free[pass]);
     let earlier = pass.checked_sub(1).map_or(&surfaces.before, |before| &surfaces.after[before]);
-    let found = register(now, earlier, Freedom::PlaneAndShift, |at| free[at]).ok()?;
+    let found = register(now, earlier, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
     let left = HeightMap { heights: found.left(now, earlier), ..now.clone() };
     Some(cut(&left, (RISE.0 * found.sigma).max(RISE.1)))
 }

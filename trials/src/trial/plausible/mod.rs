@@ -133,7 +133,7 @@ type Outcome = Result<Vec<String>, TrialError>;
 
 /// Refuses a trial whose files contradict each other, and adds notes on oddities.
 pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> {
-    let mut noted = Noted::of(trial);
+    let mut noted = NoteCollector::of(trial);
     run(trial, names, &mut |check, found| noted.add(check, found))?;
     trial.notes.extend(noted.notes);
     trial.findings = noted.findings;
@@ -142,7 +142,7 @@ pub(super) fn check(trial: &mut Trial, names: &Names) -> Result<(), TrialError> 
 
 /// Runs all checks and returns all findings; a refusal does not stop the later checks.
 pub(super) fn check_all(trial: &mut Trial, names: &Names) -> Vec<Checked> {
-    let mut noted = Noted::of(trial);
+    let mut noted = NoteCollector::of(trial);
     let mut all: Vec<Checked> = Vec::new();
     let each = &mut |check, found: Outcome| {
         let before = noted.findings.len();
@@ -196,14 +196,14 @@ fn run(
 }
 
 /// Notes collected so far.
-struct Noted {
+struct NoteCollector {
     /// Name of the trial.
     trial: String,
     notes: Vec<String>,
     findings: Vec<Finding>,
 }
 
-impl Noted {
+impl NoteCollector {
     fn of(trial: &Trial) -> Self {
         Self { trial: trial.name.clone(), notes: Vec::new(), findings: Vec::new() }
     }

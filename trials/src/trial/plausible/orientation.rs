@@ -8,7 +8,7 @@ use sdf_bake::HeightMap;
 use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces};
-use crate::measure::{Freedom, MAD_TO_SIGMA, has_slope, median, register};
+use crate::measure::{DegreesOfFreedom, MAD_TO_SIGMA, has_slope, median, register};
 
 /// Share of the difference of two scans that the right relation leaves at most: 1/√2, where the wrong relation adds as
 /// much as the noise. In the absence of noise beyond the scans' own, no relation leaves less than that noise.
@@ -138,7 +138,7 @@ fn misfit(scan: &HeightMap, other: &HeightMap, mask: &[bool]) -> Option<f64> {
     let all: Vec<usize> = (0..mask.len()).filter(known).collect();
     let mut taken = vec![false; mask.len()];
     all.iter().step_by(all.len() / COMPARED + 1).for_each(|&at| taken[at] = true);
-    let found = register(scan, other, Freedom::PlaneAndShift, |at| taken[at]).ok()?;
+    let found = register(scan, other, DegreesOfFreedom::PlaneAndShift, |at| taken[at]).ok()?;
     let left = found.left(scan, other);
     let sizes: Vec<f64> =
         (0..left.len()).filter(|&at| taken[at] && has_slope(other, at)).map(|at| left[at].abs()).collect();

@@ -13,7 +13,7 @@ use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::orientation::pixel_noise;
 use super::{LEAST_PIXELS, Names, Surfaces};
-use crate::measure::{Freedom, centre_and_sigma, has_slope, median, register};
+use crate::measure::{DegreesOfFreedom, centre_and_sigma, has_slope, median, register};
 
 /// Side of a tile [pixels], and the minimum number of tiles that give a spread within a fifth.
 const TILE: usize = 6;
@@ -37,7 +37,7 @@ const LEAST: f64 = 2e-6;
 
 /// Difference of two scans on the untouched surface, per scan.
 #[derive(Clone, Copy, Debug)]
-struct Apart {
+struct ScanDifference {
     /// Indices of the two scans.
     of: (usize, usize),
     /// Robust standard deviation of the difference from pixel to pixel [m].
@@ -92,23 +92,23 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 }
 
 /// The first pair that shares its noise, with the usual difference from pixel to pixel [m].
-fn sharing(pairs: &[Apart]) -> Option<(&Apart, f64)> {
+fn sharing(pairs: &[ScanDifference]) -> Option<(&ScanDifference, f64)> {
     let usual = median(pairs.iter().map(|pair| pair.pixels).collect()).filter(|usual| *usual > QUIET)?;
     Some((pairs.iter().find(|pair| pair.pixels < SHARED * usual)?, usual))
 }
 
 /// Smallest difference of tiles between one scan and the others [m], the smallest contribution of an excess of heights
 /// beyond effects, and the usual difference between those others [m].
-fn against_others(pairs: &[Apart], odd: usize) -> Option<[f64; 3]> {
-    let has = |pair: &&Apart| pair.of.0 == odd || pair.of.1 == odd;
-    let gained = |pair: &Apart| if pair.gain.abs() > GAIN { pair.gained } else { 0.0 };
-    let least = |of: &dyn Fn(&Apart) -> f64| pairs.iter().filter(has).map(of).reduce(f64::min);
+fn against_others(pairs: &[ScanDifference], odd: usize) -> Option<[f64; 3]> {
+    let has = |pair: &&ScanDifference| pair.of.0 == odd || pair.of.1 == odd;
+    let gained = |pair: &ScanDifference| if pair.gain.abs() > GAIN { pair.gained } else { 0.0 };
+    let least = |of: &dyn Fn(&ScanDifference) -> f64| pairs.iter().filter(has).map(of).reduce(f64::min);
     let usual = median(pairs.iter().filter(|pair| !has(pair)).map(|pair| pair.tiles).collect())?;
     Some([least(&|pair| pair.tiles)?, least(&gained)?, usual])
 }
 
 /// Note on the only two scans of a surface.
-fn lonely(pair: Apart, scans: &[(&Path, &HeightMap)]) -> Option<String> {
+fn lonely(pair: ScanDifference, scans: &[(&Path, &HeightMap)]) -> Option<String> {
     let own = pixel_noise(scans[pair.of.0].1).min(pixel_noise(scans[pair.of.1].1));
     let first = scans[pair.of.0].0.display();
     let [pixels, tiles, own_shown] = [pair.pixels, pair.tiles, own].map(|size| 1e6 * size);
@@ -134,24 +134,24 @@ fn lonely(pair: Apart, scans: &[(&Path, &HeightMap)]) -> Option<String> {
 }
 
 /// All pairs of scans: before, repeats, after.
-fn all(scans: &[(&Path, &HeightMap)], surfaces: &Surfaces) -> Vec<Apart> {
+fn all(scans: &[(&Path, &HeightMap)], surfaces: &Surfaces) -> Vec<ScanDifference> {
     let first_after = 1 + surfaces.repeats.len();
     let everywhere = || vec![true; surfaces.before.heights.len()];
     let mask = |later: usize| later.checked_sub(first_after).map_or_else(everywhere, |pass| surfaces.free_until(pass));
     let pairs = (1..scans.len()).flat_map(|later| {
         let mask = mask(later);
         (0..later)
-            .filter_map(move |earlier| Apart::new(scans, (earlier, later), &mask, later >= first_after))
+            .filter_map(move |earlier| ScanDifference::new(scans, (earlier, later), &mask, later >= first_after))
             .collect::<Vec<_>>()
     });
     pairs.collect()
 }
 
-impl Apart {
+impl ScanDifference {
     /// Compares two scans over a mask. A bow is removed if a pass lies between them. `None` if too little is known.
     fn new(scans: &[(&Path, &HeightMap)], of: (usize, usize), mask: &[bool], bows: bool) -> Option<Self> {
         let (reference, scan) = (scans[of.0].1, scans[of.1].1);
-        let found = register(scan, reference, Freedom::PlaneAndShift, |at| mask[at]).ok()?;
+        let found = register(scan, reference, DegreesOfFreedom::PlaneAndShift, |at| mask[at]).ok()?;
         let mut heights = found.left(scan, reference);
         let unknown = heights.iter_mut().enumerate().filter(|(at, _)| !mask[*at] || !has_slope(reference, *at));
         unknown.for_each(|(_, left)| *left = f64::NAN);

@@ -3,7 +3,7 @@
 use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces};
-use crate::measure::{Freedom, register};
+use crate::measure::{DegreesOfFreedom, register};
 
 /// Share of the first pass's removal in a repeated scan above which it was taken after the pass: midway between a scan
 /// before it (0) and one after it (1).
@@ -31,10 +31,10 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let mut notes = Vec::new();
     let Some(after) = surfaces.after.first() else { return Ok(notes) };
     let (before, free) = (&surfaces.before, surfaces.free_until(0));
-    let Ok(found) = register(after, before, Freedom::PlaneAndShift, |at| free[at]) else { return Ok(notes) };
+    let Ok(found) = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { return Ok(notes) };
     let pass = found.left(after, before);
     for (name, map) in names.repeats.iter().zip(&surfaces.repeats) {
-        let Ok(found) = register(map, before, Freedom::PlaneAndShift, |at| free[at]) else { continue };
+        let Ok(found) = register(map, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { continue };
         let differences = Differences { repeat: found.left(map, before), pass: pass.clone() };
         let place = Place::file(&trial.folder.join(name));
         differences.judge(&free, place, names)?;

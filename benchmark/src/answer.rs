@@ -8,7 +8,7 @@ use super::cases::{Case, Family};
 
 /// A named effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Named {
+pub struct NamedEffect {
     /// Its name.
     pub name: String,
     /// Effects from which the data cannot distinguish it.
@@ -17,18 +17,18 @@ pub struct Named {
 
 /// Answer to a case, from a study or a baseline.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Said {
+pub struct CaseAnswer {
     /// The verdict; `None` if the measurements were refused.
     pub verdict: Option<Verdict>,
     /// Named effects.
-    pub named: Vec<Named>,
+    pub named: Vec<NamedEffect>,
     /// Effect of a hint.
     pub hint: Option<String>,
 }
 
 /// Kind of the right answer to a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum ExpectedAnswer {
     /// Nothing is missing: nothing is hidden, or only an effect that base parameters and poses absorb.
     Nothing,
     /// The hidden effects.
@@ -80,43 +80,44 @@ pub fn describing(front: FrontEnd) -> &'static [&'static str] {
 
 impl Case {
     /// Kind of the right answer.
-    pub fn asked(&self) -> Asked {
+    pub fn asked(&self) -> ExpectedAnswer {
         match self.family {
-            Family::L | Family::U => Asked::Unknown,
-            Family::A => Asked::Nothing,
-            _ if self.hidden.is_empty() => Asked::Nothing,
-            _ => Asked::Names,
+            Family::L | Family::U => ExpectedAnswer::Unknown,
+            Family::A => ExpectedAnswer::Nothing,
+            _ if self.hidden.is_empty() => ExpectedAnswer::Nothing,
+            _ => ExpectedAnswer::Names,
         }
     }
 
     /// True if it is right to name the effect: it is hidden, or describes the front end's errors.
     pub fn is_there(&self, name: &str) -> bool {
-        let hidden = self.asked() == Asked::Names && self.hidden.iter().any(|hidden| hidden == name);
+        let hidden = self.asked() == ExpectedAnswer::Names && self.hidden.iter().any(|hidden| hidden == name);
         hidden || describing(self.design.front).contains(&name)
     }
 }
 
-impl Said {
+impl CaseAnswer {
     /// A guess without uncertainty.
     pub fn sure(verdict: Verdict, name: Option<&str>) -> Self {
-        let named = name.map(|name| Named { name: name.to_owned(), alike: Vec::new() });
+        let named = name.map(|name| NamedEffect { name: name.to_owned(), alike: Vec::new() });
         Self { verdict: Some(verdict), named: named.into_iter().collect(), hint: None }
     }
 
     /// Effects that the answer claims: none if it says that no effect of the library describes the data.
-    fn claimed(&self) -> &[Named] {
+    fn claimed(&self) -> &[NamedEffect] {
         if self.verdict == Some(Verdict::Unknown) { &[] } else { &self.named }
     }
 
     /// Judgement of the answer to `case`.
     pub fn judged(&self, case: &Case) -> Judgement {
-        let is_apt = |named: &Named| case.is_there(&named.name) || named.alike.iter().any(|name| case.is_there(name));
+        let is_apt =
+            |named: &NamedEffect| case.is_there(&named.name) || named.alike.iter().any(|name| case.is_there(name));
         let has_stray = !self.claimed().iter().all(is_apt);
         match case.asked() {
-            Asked::Unknown => self.judged_unknown(has_stray),
+            ExpectedAnswer::Unknown => self.judged_unknown(has_stray),
             _ if has_stray || self.hint.as_ref().is_some_and(|hint| !case.is_there(hint)) => Judgement::Wrong,
-            Asked::Nothing => self.judged_nothing(case),
-            Asked::Names => self.judged_names(case),
+            ExpectedAnswer::Nothing => self.judged_nothing(case),
+            ExpectedAnswer::Names => self.judged_names(case),
         }
     }
 
@@ -159,5 +160,5 @@ impl Said {
 }
 
 #[cfg(test)]
-#[path = "said_tests.rs"]
+#[path = "answer_tests.rs"]
 mod tests;

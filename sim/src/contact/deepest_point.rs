@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::patch::Patch;
-use super::{Border, SheetFrame, Squares};
+use super::{Border, ContactCells, SheetFrame};
 use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
 
@@ -18,7 +18,7 @@ const BESIDE: f64 = 3.0;
 
 /// The deepest point under a working surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Peak {
+pub(crate) struct DeepestPoint {
     /// Its depth [m]; negative when the tool is above the surface (the gap).
     pub(crate) depth: f64,
     /// The column in whose cell it lies.
@@ -27,18 +27,18 @@ pub(crate) struct Peak {
     pub(crate) point: DVec3,
 }
 
-impl Squares {
+impl ContactCells {
     /// The deepest point under the working surface, also between columns and at the border; `None` without a surface.
     /// Beside a side face the height of a column is less certain, and its depth is reduced by the error bound.
-    pub(crate) fn peak(&self, place: &Placement, sheet: &Sheet) -> Option<Peak> {
+    pub(crate) fn peak(&self, place: &Placement, sheet: &Sheet) -> Option<DeepestPoint> {
         let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
         let lines: Vec<usize> = self.under(place, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
         let within = |line: usize| tool.within(frame.local(sheet.point(line)));
-        let mut best: Option<Peak> = None;
+        let mut best: Option<DeepestPoint> = None;
         for &line in lines.iter().filter(|&&line| within(line) >= 0.0) {
             let depth = self.depth[line] - self.unsure(sheet, line);
             if best.is_none_or(|best| depth > best.depth) {
-                best = Some(Peak { depth, line, point: sheet.point(line) });
+                best = Some(DeepestPoint { depth, line, point: sheet.point(line) });
             }
         }
         let edges = sheet.edge_distances();
@@ -54,7 +54,7 @@ impl Squares {
             }
             let patch = Patch::new((tool, &frame), sheet, line, self.depth[line]);
             if let Some((depth, at)) = patch.top(floor) {
-                best = Some(Peak { depth: depth - unsure, line, point: patch.point(at) });
+                best = Some(DeepestPoint { depth: depth - unsure, line, point: patch.point(at) });
             }
         }
         best

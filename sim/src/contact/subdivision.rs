@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::border::Border;
 use super::patch::Patch;
-use super::rows::UNSETTLED;
-use super::{SheetFrame, Squares};
+use super::rows::UNRESOLVED;
+use super::{ContactCells, SheetFrame};
 use crate::extent::Extent;
 use crate::pose::Placement;
 use crate::sheet::{NO_SURFACE, Sheet};
@@ -18,15 +18,15 @@ const STRAIGHT: f64 = 1e-6;
 /// Sub-cells along a side of a cell in which the rim of the patch is searched for.
 const RIM_CELLS: usize = 8;
 
-impl Squares {
+impl ContactCells {
     /// Subdivides cells with curved depths from now on, whatever the tool.
     pub(crate) fn look_closer(&mut self) {
-        self.looks_closer = true;
+        self.is_subdivided = true;
     }
 
     /// True if cells are subdivided for this tool.
-    pub(super) fn is_closer(&self, border: &Border) -> bool {
-        (self.looks_closer || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
+    pub(super) fn needs_subdivision(&self, border: &Border) -> bool {
+        (self.is_subdivided || matches!(border.tool, Tool::Field(_))) && border.sweep == DVec3::ZERO
     }
 
     /// Marks the cells to be measured one by one: all that may be in contact, except cells that are entirely in or out
@@ -37,7 +37,7 @@ impl Squares {
                 let is_settled = self.share[line] == 1.0 || self.share[line] == 0.0;
                 let is_plain = is_settled && self.is_straight(sheet, line);
                 if self.may_be_wet(sheet, line, 0.0) && !is_plain {
-                    (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, UNSETTLED, 0.0);
+                    (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, UNRESOLVED, 0.0);
                 }
             }
         }
@@ -59,7 +59,7 @@ impl Squares {
     }
 
     /// Measures a cell by subdivision.
-    pub(super) fn measure_closer(&mut self, border: &Border, sheet: &Sheet, line: usize) {
+    pub(super) fn measure_subdivided(&mut self, border: &Border, sheet: &Sheet, line: usize) {
         let patch = Patch::new((border.tool, &border.frame), sheet, line, self.depth[line]);
         let (mean, share) = patch.wet();
         if mean > 0.0 {

@@ -10,32 +10,32 @@ fn case(family: Family, hidden: &[&str], front: FrontEnd) -> Case {
     Case { family, number: 0, design, hidden: hidden.iter().map(|&name| name.to_owned()).collect(), rung: 1.0 }
 }
 
-fn said(verdict: Verdict, named: &[(&str, &[&str])]) -> Said {
-    let named = named.iter().map(|(name, alike)| Named {
+fn said(verdict: Verdict, named: &[(&str, &[&str])]) -> CaseAnswer {
+    let named = named.iter().map(|(name, alike)| NamedEffect {
         name: (*name).to_owned(),
         alike: alike.iter().map(|&name| name.to_owned()).collect(),
     });
-    Said { verdict: Some(verdict), named: named.collect(), hint: None }
+    CaseAnswer { verdict: Some(verdict), named: named.collect(), hint: None }
 }
 
-fn hint(name: &str) -> Said {
-    Said { hint: Some(name.to_owned()), ..said(Verdict::Hint, &[]) }
+fn hint(name: &str) -> CaseAnswer {
+    CaseAnswer { hint: Some(name.to_owned()), ..said(Verdict::Hint, &[]) }
 }
 
 #[test]
 fn where_nothing_is_hidden_every_name_is_wrong() {
-    let judged = |said: &Said| said.judged(&case(Family::N, &[], FrontEnd::Clean));
+    let judged = |said: &CaseAnswer| said.judged(&case(Family::N, &[], FrontEnd::Clean));
     assert_eq!(judged(&said(Verdict::NothingMissing, &[])), Right);
     assert_eq!(judged(&said(Verdict::NotTestable, &[])), Right);
     assert_eq!(judged(&said(Verdict::Unknown, &[])), Alarm);
     assert_eq!(judged(&said(Verdict::Ambiguous, &[("break-in", &["force-lag"])])), Wrong);
     assert_eq!(judged(&hint("break-in")), Wrong);
-    assert_eq!(judged(&Said::default()), Alarm, "a refusal");
+    assert_eq!(judged(&CaseAnswer::default()), Alarm, "a refusal");
 }
 
 #[test]
 fn one_hidden_effect_must_be_named_alone() {
-    let judged = |said: &Said| said.judged(&case(Family::S, &["tool-tilt"], FrontEnd::Clean));
+    let judged = |said: &CaseAnswer| said.judged(&case(Family::S, &["tool-tilt"], FrontEnd::Clean));
     assert_eq!(judged(&said(Verdict::Identified, &[("tool-tilt", &[])])), Right);
     assert_eq!(judged(&said(Verdict::Ambiguous, &[("wheel-crown", &["tool-tilt"])])), Class);
     assert_eq!(judged(&said(Verdict::Partly, &[("tool-tilt", &[])])), Class);
@@ -45,12 +45,12 @@ fn one_hidden_effect_must_be_named_alone() {
     assert_eq!(judged(&said(Verdict::Unknown, &[("break-in", &[])])), Shy, "it does not stand by the name");
     assert_eq!(judged(&hint("tool-tilt")), Class);
     assert_eq!(judged(&hint("break-in")), Wrong);
-    assert_eq!(judged(&Said::default()), Shy, "a refusal");
+    assert_eq!(judged(&CaseAnswer::default()), Shy, "a refusal");
 }
 
 #[test]
 fn of_two_hidden_effects_one_is_too_little_unless_more_is_said_to_be_missing() {
-    let judged = |said: &Said| said.judged(&case(Family::D, &["tool-tilt", "break-in"], FrontEnd::Clean));
+    let judged = |said: &CaseAnswer| said.judged(&case(Family::D, &["tool-tilt", "break-in"], FrontEnd::Clean));
     assert_eq!(judged(&said(Verdict::Identified, &[("break-in", &[]), ("tool-tilt", &[])])), Right);
     assert_eq!(judged(&said(Verdict::Partly, &[("break-in", &[])])), Class);
     assert_eq!(judged(&said(Verdict::Identified, &[("break-in", &[])])), Shy);
@@ -60,7 +60,7 @@ fn of_two_hidden_effects_one_is_too_little_unless_more_is_said_to_be_missing() {
 #[test]
 fn what_the_library_lacks_is_unknown() {
     for family in [Family::U, Family::L] {
-        let judged = |said: &Said| said.judged(&case(family, &["stick-slip"], FrontEnd::Clean));
+        let judged = |said: &CaseAnswer| said.judged(&case(family, &["stick-slip"], FrontEnd::Clean));
         assert_eq!(judged(&said(Verdict::Unknown, &[])), Right);
         assert_eq!(judged(&said(Verdict::Ambiguous, &[("chatter", &["force-lag"])])), Class);
         assert_eq!(judged(&said(Verdict::Partly, &[("chatter", &[])])), Wrong);

@@ -10,14 +10,14 @@ use sim::{PassRecord, Path, Profilometer, run_pass};
 
 use super::Experiment;
 use super::answer::TrueTrial;
+use super::experiment_error::ExperimentError;
 use super::fault::Fault;
 use super::frame::Frame;
-use super::motion::Way;
-use super::plan::{Bench, Plan, Setting, role};
+use super::motion::Route;
+use super::plan::{Plan, ProcessDefaults, Setting, role};
 use super::ripple::Ripple;
-use super::robot::{Ran, Robot, touching};
+use super::robot::{PassRun, Robot, touching};
 use super::surface::Workpiece;
-use super::truth_error::TruthError;
 use random::Stream;
 use robot::Controller;
 use trials::trial::{
@@ -40,10 +40,10 @@ const SANDING_CONTROLLER: (f64, f64, f64) = (1.0, 400.0, 5e-3);
 const COATING: f64 = 60e-6;
 
 /// One trial while it is made.
-pub(super) struct Bout<'a> {
+pub(super) struct TrialBuild<'a> {
     experiment: &'a Experiment,
     model: &'a CompiledModel,
-    bench: Bench,
+    bench: ProcessDefaults,
     name: String,
     /// Number of the trial, from 0.
     number: usize,
@@ -60,18 +60,18 @@ pub(super) struct Bout<'a> {
 }
 
 /// Command for a pass.
-pub(super) struct Order {
-    pub(super) way: Way,
+pub(super) struct PassCommand {
+    pub(super) way: Route,
     /// Force setpoint [N].
     pub(super) force_setpoint: f64,
     /// Spindle speed [rad/s].
     pub(super) spindle_speed: f64,
 }
 
-impl<'a> Bout<'a> {
+impl<'a> TrialBuild<'a> {
     /// Draws the workpiece of a trial and makes the part.
-    pub(super) fn new(experiment: &'a Experiment, model: &'a CompiledModel, number: usize) -> Result<Self, TruthError> {
-        Self::named(experiment, model, number, &format!("trial-{}", number + 1))
+    pub(super) fn new(experiment: &'a Experiment, model: &'a CompiledModel, k: usize) -> Result<Self, ExperimentError> {
+        Self::named(experiment, model, k, &format!("trial-{}", k + 1))
     }
 
     /// The same under another name, which seeds its workpiece and all other draws.
@@ -80,8 +80,8 @@ impl<'a> Bout<'a> {
         model: &'a CompiledModel,
         number: usize,
         name: &str,
-    ) -> Result<Self, TruthError> {
-        let (bench, name) = (Bench::of(experiment.process, experiment.size), name.to_owned());
+    ) -> Result<Self, ExperimentError> {
+        let (bench, name) = (ProcessDefaults::of(experiment.process, experiment.size), name.to_owned());
         let mut stream = Stream::of(experiment.seed, &format!("{name}/workpiece"));
         let length = (stream.between(bench.length) * 1e3).round() * 1e-3;
         let (piece, extent, ends) = match experiment.process {
@@ -95,7 +95,7 @@ impl<'a> Bout<'a> {
         let (tool, controller) = tooling(experiment.process, &bench);
         let pixels = scanned(&bench, extent);
         let part =
-            true_part(&piece, &pixels, &tool).map_err(|error| TruthError::Part { trial: name.clone(), error })?;
+            true_part(&piece, &pixels, &tool).map_err(|error| ExperimentError::Part { trial: name.clone(), error })?;
         Ok(Self {
             experiment,
             model,
@@ -121,7 +121,7 @@ impl<'a> Bout<'a> {
         mut self,
         (settings, states, row): (&[Setting], &mut States, usize),
         done: &(dyn Fn() + Sync),
-    ) -> Result<(Trial, TrueTrial), TruthError> {
+    ) -> Result<(Trial, TrueTrial), ExperimentError> {
         let scans = self.scans()?;
         if self.model.needs(Hook::Height).contains(&Variable::RemovedDepth) {
             self.part.scalar_or_zero(Scalar::Removed);
@@ -146,15 +146,15 @@ impl<'a> Bout<'a> {
     /// Runs a pass and scans the result. Returns the pass and the removed volume [m³].
     pub(super) fn made(
         &mut self,
-        order: &Order,
+        order: &PassCommand,
         states: &mut States,
         at: (usize, usize),
-    ) -> Result<(Pass, f64), TruthError> {
+    ) -> Result<(Pass, f64), ExperimentError> {
         let (record, touch) = self.pass(order, states, at)?;
-        let Order { way, force_setpoint, spindle_speed } = order;
+        let PassCommand { way, force_setpoint, spindle_speed } = order;
         let (controller, frame, ripple) = (self.controller, self.frame(), Ripple::of(self.model, at.1));
         let (force_setpoint, spindle_speed) = (*force_setpoint, *spindle_speed);
-        let ran = Ran { record: &record, way, touch, controller, force_setpoint, spindle_speed, frame, ripple };
+        let ran = PassRun { record: &record, way, touch, controller, force_setpoint, spindle_speed, frame, ripple };
         let pass = Pass {
             log: self.experiment.robot.log(&ran, &mut self.stream(&format!("pass-{}/log", at.0))),
             scan: self.scan_after(at)?,
@@ -168,14 +168,14 @@ impl<'a> Bout<'a> {
     }
 
     /// Command for a pass of the plan.
-    fn order(&self, setting: &Setting) -> Order {
-        let (force_setpoint, spindle_speed) = self.told(setting);
-        let way = Way::of(self.experiment.process, &self.bench, self.ends, setting);
-        Order { way, force_setpoint, spindle_speed }
+    fn order(&self, setting: &Setting) -> PassCommand {
+        let (force_setpoint, spindle_speed) = self.setpoints(setting);
+        let way = Route::of(self.experiment.process, &self.bench, self.ends, setting);
+        PassCommand { way, force_setpoint, spindle_speed }
     }
 
     /// Runs the tool on another workpiece before the trial.
-    fn wear(&self, states: &mut States, row: usize) -> Result<(), TruthError> {
+    fn wear(&self, states: &mut States, row: usize) -> Result<(), ExperimentError> {
         if self.experiment.earlier_passes == 0 {
             return Ok(());
         }
@@ -234,13 +234,13 @@ impl<'a> Bout<'a> {
     /// Holds the tool in the air before a pass for a pause [s].
     pub(super) fn pause(
         &mut self,
-        (order, pause): (&Order, f64),
+        (order, pause): (&PassCommand, f64),
         states: &mut States,
         (number, row): (usize, usize),
-    ) -> Result<(), TruthError> {
+    ) -> Result<(), ExperimentError> {
         self.trial_time += pause;
         let path = Path::from_samples(order.way.samples(&self.tool.shape));
-        let path = path.map_err(|error| TruthError::Path { trial: self.name.clone(), pass: number, error })?;
+        let path = path.map_err(|error| ExperimentError::Path { trial: self.name.clone(), pass: number, error })?;
         let settings = self.settings(order);
         let first = sim::Pass::first(&self.tool.shape, &path, &settings, self.model);
         let pass = sim::Pass { number, row, trial_time: self.trial_time, ..first };
@@ -248,13 +248,13 @@ impl<'a> Bout<'a> {
     }
 
     /// Nominal force setpoint [N] and spindle speed [rad/s] of a pass, rounded as an operator sets them.
-    fn told(&self, setting: &Setting) -> (f64, f64) {
+    fn setpoints(&self, setting: &Setting) -> (f64, f64) {
         let force = (setting.force * self.bench.force * 10.0).round() / 10.0;
         (force, (setting.speed * self.bench.rpm / 10.0).round() * 10.0 * RPM)
     }
 
     /// The scan before and its repetition, by a scanner without faults.
-    pub(super) fn scans(&self) -> Result<Scans, TruthError> {
+    pub(super) fn scans(&self) -> Result<Scans, ExperimentError> {
         let scan = |purpose: &str| {
             let scanned = self.experiment.instrument.heights(&self.part, self.pixels, None, &mut self.stream(purpose));
             scanned.map_err(|error| self.scan_error(0, error))
@@ -269,11 +269,11 @@ impl<'a> Bout<'a> {
         })
     }
 
-    fn scan_error(&self, pass: usize, error: RunError) -> TruthError {
-        TruthError::Scan { trial: self.name.clone(), pass, error }
+    fn scan_error(&self, pass: usize, error: RunError) -> ExperimentError {
+        ExperimentError::Scan { trial: self.name.clone(), pass, error }
     }
 
-    fn scan_after(&self, (pass, row): (usize, usize)) -> Result<PassScan, TruthError> {
+    fn scan_after(&self, (pass, row): (usize, usize)) -> Result<PassScan, ExperimentError> {
         let (instrument, mut stream) = (&self.experiment.instrument, self.stream(&format!("pass-{pass}/scan")));
         if self.experiment.process == Process::Sanding {
             let mut step = StepValues::new();
@@ -297,16 +297,16 @@ impl<'a> Bout<'a> {
     /// Runs a pass on the part. Returns the pass, and the time of the touch.
     fn pass(
         &mut self,
-        order: &Order,
+        order: &PassCommand,
         states: &mut States,
         (number, row): (usize, usize),
-    ) -> Result<(PassRecord, f64), TruthError> {
+    ) -> Result<(PassRecord, f64), ExperimentError> {
         let tool = self.tool.shape.clone();
         let way = &order.way;
         let settings = self.settings(order);
         let trial = || self.name.clone();
-        let no_path = |error| TruthError::Path { trial: trial(), pass: number, error };
-        let failed = |error| TruthError::Pass { trial: trial(), pass: number, error };
+        let no_path = |error| ExperimentError::Path { trial: trial(), pass: number, error };
+        let failed = |error| ExperimentError::Pass { trial: trial(), pass: number, error };
         let surface = |place: DVec2| self.piece.height(place);
         let level = touching(&tool, way.at(0.0), self.part.voxel, surface);
         let (reach, speed) = Robot::descent();
@@ -325,7 +325,7 @@ impl<'a> Bout<'a> {
         let sought = run_pass(&mut self.part.clone(), trying, &mut states.clone(), &mut |_| {}).map_err(failed)?;
         let meets = |row: &&sim::LogRow| row.force > TOUCH * settings.force_setpoint && row.time > 0.0;
         let touch = sought.log.iter().find(meets).map(|row| row.time);
-        let touch = touch.ok_or_else(|| TruthError::NoTouch { trial: trial(), pass: number })?;
+        let touch = touch.ok_or_else(|| ExperimentError::NoTouch { trial: trial(), pass: number })?;
         let levels = [levels[0], levels[0] - speed * touch];
         let mut stream = self.stream(&format!("pass-{number}/wander"));
         let path = way.path((levels, touch), &self.experiment.robot, &tool, &mut stream).map_err(no_path)?;
@@ -337,13 +337,13 @@ impl<'a> Bout<'a> {
     }
 
     /// Depth of the present surface below the first one at the start of the route [m].
-    fn ground_below(&self, way: &Way, first: impl Fn(DVec2) -> f64) -> f64 {
+    fn ground_below(&self, way: &Route, first: impl Fn(DVec2) -> f64) -> f64 {
         let place = way.at(0.0);
         let pixel = PixelGrid { origin: place, pitch: self.part.voxel, nx: 1, ny: 1 };
         (first(place) - Profilometer::sharp(pixel).heights(&self.part).heights[0]).max(0.0)
     }
 
-    fn settings(&self, order: &Order) -> sim::PassSettings {
+    fn settings(&self, order: &PassCommand) -> sim::PassSettings {
         sim::PassSettings {
             controller: self.controller,
             force_setpoint: order.force_setpoint,
@@ -357,7 +357,7 @@ impl<'a> Bout<'a> {
 }
 
 /// The tool and the force controller.
-fn tooling(process: Process, bench: &Bench) -> (HeldTool, Controller) {
+fn tooling(process: Process, bench: &ProcessDefaults) -> (HeldTool, Controller) {
     let radius = bench.tool_radius;
     let (tool, (mass, damping, period)) = match process {
         Process::Grinding => (HeldTool::wheel(radius, WHEEL_WIDTH, DVec3::Y), GRINDING_CONTROLLER),
@@ -367,7 +367,7 @@ fn tooling(process: Process, bench: &Bench) -> (HeldTool, Controller) {
 }
 
 /// Pixels of a scan of a workpiece of this length [m].
-fn scanned(bench: &Bench, length: f64) -> PixelGrid {
+fn scanned(bench: &ProcessDefaults, length: f64) -> PixelGrid {
     let count = |extent: f64| (extent / bench.pitch).round() as usize + 1;
     let origin = DVec2::new(0.0, -0.5 * bench.width);
     PixelGrid { origin, pitch: bench.pitch, nx: count(length), ny: count(bench.width) }

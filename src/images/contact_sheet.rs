@@ -14,7 +14,7 @@ use render::label::{SANDED, UNSANDED};
 /// Number of images in a row.
 const COLUMNS: usize = 6;
 /// Number of rows with random images.
-const CHANCE_ROWS: usize = 2;
+const RANDOM_ROWS: usize = 2;
 /// Width of an image on the contact sheet [pixels].
 const WIDTH: u32 = 320;
 /// Colours of sanded, unsanded and ignored pixels.
@@ -28,7 +28,7 @@ pub(super) fn draw(set: &ImageSet, records: &[ImageRecord]) -> Result<Vec<u8>> {
     let mut drawn: Vec<&ImageRecord> = records.iter().collect();
     drawn.sort_by_key(|record| number_from(&format!("contact sheet {}", record.id)));
     let mut strips = Vec::new();
-    for (place, chunk) in drawn.chunks(COLUMNS).take(CHANCE_ROWS).enumerate() {
+    for (place, chunk) in drawn.chunks(COLUMNS).take(RANDOM_ROWS).enumerate() {
         let title = if place == 0 { format!("at random, of {} images", records.len()) } else { String::new() };
         strips.push(strip(&title, chunk, |record| picture(set, record))?);
         strips.push(strip("", chunk, |record| labelled(set, record))?);

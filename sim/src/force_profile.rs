@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Setpoint along a pass: linear between its values and constant beyond the ends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ForceCourse {
+pub struct ForceProfile {
     /// Times since the pass began [s], increasing.
     times: Vec<f64>,
     /// Force at each [N].
@@ -13,7 +13,7 @@ pub struct ForceCourse {
     impulses: Vec<f64>,
 }
 
-impl ForceCourse {
+impl ForceProfile {
     /// A setpoint through forces [N] at times [s]. Values are raised to at least `least` [N], so that a tool never
     /// loses contact because a sensor reads slightly below zero.
     ///
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_mean_is_the_integral_over_the_length() {
-        let course = ForceCourse::new([(1.0, 10.0), (2.0, 20.0), (4.0, 0.0)], 0.5);
+        let course = ForceProfile::new([(1.0, 10.0), (2.0, 20.0), (4.0, 0.0)], 0.5);
         for (from, to, mean) in [
             (0.0, 1.0, 10.0),
             (1.0, 2.0, 15.0),
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_course_of_one_value_is_that_value_everywhere() {
-        let course = ForceCourse::new([(3.0, 7.0)], 0.0);
+        let course = ForceProfile::new([(3.0, 7.0)], 0.0);
         assert_eq!([course.at(0.0), course.at(5.0), course.mean(1.0..9.0)], [7.0; 3]);
     }
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// Reason for which an experiment cannot be made.
 #[derive(Debug, Error)]
-pub enum TruthError {
+pub enum ExperimentError {
     /// The surface makes no part.
     #[error("{trial}: the true surface: {error}")]
     Part {
