@@ -103,7 +103,7 @@ def _nothing() -> Policy:
 
 
 def _raster(feed: float = 0.5, force: float = 0.0) -> Policy:
-    """To and fro along the weld at one feed and one force, whatever the surface looks like."""
+    """Back and forth along the weld at one feed and one force, whatever the surface looks like."""
     directions: dict[int, NDArray[np.float32]] = {}
 
     def act(seen: Observations) -> Actions:
@@ -118,8 +118,8 @@ def _raster(feed: float = 0.5, force: float = 0.0) -> Policy:
 
 
 def _oracle(feed: float = 0.5, full: float = 0.5) -> Policy:
-    """To and fro with a force in proportion to what is left under the tool, and none where nothing is left: what a plan with
-    perfect sight of the surface would press."""
+    """Back and forth with a force in proportion to what is left under the tool, and none where nothing is left: what
+    a plan with perfect sight of the surface would press."""
     raster = _raster(feed)
 
     def act(seen: Observations) -> Actions:

@@ -9,7 +9,7 @@ pub enum Phase {
     /// Height fields are read from the distance field.
     Read,
     /// Cell depths under the tool are measured, for every trial of the force balance.
-    ContactCells,
+    Squares,
     /// Cells in contact are gathered into lanes, and the model's formulas are evaluated on them.
     Model,
     /// Lanes are integrated over the step, and their forces are summed.

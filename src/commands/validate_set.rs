@@ -30,7 +30,7 @@ pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: u
     let dataset = Dataset::open(folder)?;
     let mut found = look(&dataset, jobs, console)?;
     if repair && !found.holds() {
-        mend(&dataset, &found, from, jobs, console)?;
+        repair_items(&dataset, &found, from, jobs, console)?;
         found = look(&dataset, jobs, console)?;
     }
     conclude(folder, repair, &found, console)
@@ -70,7 +70,7 @@ pub(super) fn report_items(
 }
 
 /// Makes broken items again, then the catalogue.
-fn mend(
+fn repair_items(
     dataset: &Dataset,
     found: &SetValidation,
     from: Option<&[PathBuf]>,

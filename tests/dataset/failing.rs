@@ -78,7 +78,7 @@ fn the_line_of_a_failure_shows_it_again_and_a_mended_part_ends_it() {
     fs::write(&bad, "").expect("a part that cannot be read at all");
     run(&mut dataset(&parts, &out)).is_refused(1, &["failed"]);
     plates(place.path());
-    fs::copy(parts.join("a.obj"), &bad).expect("it can be mended");
+    fs::copy(parts.join("a.obj"), &bad).expect("it can be repaired");
     run(dataset(&parts, &out).args(["--resume", "--limit", "1"])).succeeds();
     assert_eq!(lines(&out.join("failures.jsonl")), Vec::<Value>::new());
     assert_eq!(names(&out.join("failures")), Vec::<String>::new());

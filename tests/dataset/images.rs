@@ -145,7 +145,7 @@ fn a_limited_set_has_both_references_and_a_larger_limit_goes_on_with_it() {
 }
 
 #[test]
-fn damage_is_found_and_only_what_is_broken_is_made_anew() {
+fn damage_is_found_and_only_what_is_broken_is_made_again() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let set = copy_of_set(place.path());
     run(robofin(["validate"]).arg(&set)).succeeds();
@@ -161,8 +161,8 @@ fn damage_is_found_and_only_what_is_broken_is_made_anew() {
     for id in ["panel-p01-spiral-s2", "panel-p00-bare", "panel-spots"] {
         assert!(told.stderr.lines().any(|line| line.contains("BROKEN") && line.contains(id)), "{}", told.stderr);
     }
-    let mended = run(robofin(["validate", "--repair"]).arg(&set)).succeeds();
-    assert_eq!(mended.stderr.matches("      made  ").count(), 3, "{}", mended.stderr);
+    let repaired = run(robofin(["validate", "--repair"]).arg(&set)).succeeds();
+    assert_eq!(repaired.stderr.matches("      made  ").count(), 3, "{}", repaired.stderr);
     assert_same(&set, undisturbed());
 
     let annotations = set.join("annotations/dose-train.json");

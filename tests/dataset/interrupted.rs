@@ -72,5 +72,5 @@ fn items_end_with_the_run_that_asked_for_them() {
     let left = tree(&out);
     sleep(Duration::from_millis(1500));
     assert!(tree(&out) == left, "something is still writing");
-    assert!(items(&out).iter().all(|path| path.to_string_lossy().contains("/.")), "an item was finished after all");
+    assert!(items(&out).iter().all(|path| path.to_string_lossy().contains("/.")), "an item was finished all the same");
 }

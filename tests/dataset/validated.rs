@@ -19,7 +19,7 @@ fn a_whole_set_holds() {
 }
 
 #[test]
-fn broken_items_are_found_and_only_they_are_made_anew() {
+fn broken_items_are_found_and_only_they_are_made_again() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let set = copy_of_set(place.path());
     let folders = items(&set);
@@ -39,11 +39,11 @@ fn broken_items_are_found_and_only_they_are_made_anew() {
         let line = format!("{}: ", named(place));
         assert!(told.stderr.lines().any(|text| text.contains(&line) && text.contains(word)), "{}", told.stderr);
     }
-    let mended = validate(&set, &["--repair"]).succeeds();
-    assert_eq!(mended.stderr.matches("      made  ").count(), 4, "{}", mended.stderr);
+    let repaired = validate(&set, &["--repair"]).succeeds();
+    assert_eq!(repaired.stderr.matches("      made  ").count(), 4, "{}", repaired.stderr);
     assert_same(&set, undisturbed().1);
     let now = fs::metadata(folders[4].join("phi.nvdb")).and_then(|file| file.modified()).expect("a time");
-    assert_eq!(now, untouched, "a whole item was made anew");
+    assert_eq!(now, untouched, "a whole item was made again");
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn one_mesh_that_fails_costs_itself_alone_and_is_tried_again() {
 }
 
 #[test]
-fn damage_to_an_entry_is_noticed_and_mended() {
+fn damage_to_an_entry_is_noticed_and_repaired() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let (parts, out) = (wedges(place.path(), 1), place.path().join("fields"));
     run(&mut bake(&parts, &out)).succeeds();
@@ -136,7 +136,7 @@ fn damage_to_an_entry_is_noticed_and_mended() {
         }
         let outcome = run(bake(&parts, &out).arg("--resume")).succeeds();
         assert_eq!(cached(&outcome), [false], "{}", path.display());
-        assert!(files(&out) == whole, "{} is mended", path.display());
+        assert!(files(&out) == whole, "{} is repaired", path.display());
     }
 }
 

@@ -144,7 +144,7 @@ fn predictions_are_those_of_the_closed_form() {
 }
 
 #[test]
-fn a_fresh_tool_and_another_tool_begin_anew() {
+fn a_fresh_tool_and_another_tool_begin_again() {
     let mut rows = work(Hidden::Dulling, 0.0, 9);
     let half = ROWS / 2;
     let again = work(Hidden::Dulling, 0.0, 9);

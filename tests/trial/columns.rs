@@ -4,7 +4,7 @@ use std::path::Path;
 
 use effects::{CompiledModel, Dimension, Library, Model, Process, RowCounts};
 use trial_simulation::Simulation;
-use trials::trial::{Given, Trial, TrialColumn, write_trial};
+use trials::trial::{QuantitySource, Trial, TrialColumn, write_trial};
 
 use crate::files::{edit, folder, noted, refused};
 
@@ -44,7 +44,7 @@ fn a_column_has_the_unit_of_its_name_or_of_the_table() {
     assert_eq!(column("coolant_flow").dimension, Dimension::whole([0, 3, -1, 0]));
     assert_eq!(values("dresser_hours"), [3.5 * 3600.0]);
     assert!((values("room")[0] - 294.15).abs() < 1e-9);
-    assert_eq!(column("batch").given, Given::Trial(7.0));
+    assert_eq!(column("batch").given, QuantitySource::Trial(7.0));
     assert_eq!(values("current_a")[2], 1.0, "a name that ends with no unit is a plain number");
 }
 

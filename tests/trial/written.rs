@@ -62,7 +62,7 @@ fn a_sanding_trial_returns() {
 }
 
 /// Makes the grinding trial with different readings.
-fn measured_anew(number: usize, name: &str) -> Trial {
+fn measured_again(number: usize, name: &str) -> Trial {
     let mut trial = Trial { name: name.into(), ..grinding() };
     let by = 1e-6 * number as f64;
     let lifted = |map: &mut sdf_bake::HeightMap| map.heights.iter_mut().for_each(|height| *height += by);
@@ -84,7 +84,7 @@ fn a_campaign_is_its_trials_in_the_order_of_their_names() {
         let place = folder.path().join(name);
         std::fs::create_dir(&place).unwrap();
         if name != "notes" {
-            write_trial(&measured_anew(number, name), &place).unwrap();
+            write_trial(&measured_again(number, name), &place).unwrap();
         }
     }
     edit(&folder.path().join("trial-10"), "trial.toml", |text| text.replace("fresh = true", "fresh = false"));

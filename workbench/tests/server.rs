@@ -95,7 +95,7 @@ fn read(address: SocketAddr, bench: &str) -> Value {
 }
 
 #[test]
-fn a_broken_campaign_says_where_it_is_broken_and_opens_once_it_is_mended() {
+fn a_broken_campaign_says_where_it_is_broken_and_opens_once_it_is_repaired() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = folder.path().join("campaign");
     copy(&bundled().join("trial-1"), &campaign.join("trial-1"));

@@ -69,7 +69,7 @@ pub enum Checksum {
     /// The checksum differs: the grid was changed after it was written.
     Differs,
     /// The writer omitted the checksum.
-    NamedFileError,
+    Absent,
     /// The writer is newer than 32.6 and computes the checksum in a way that is not implemented here.
     Unknown,
 }

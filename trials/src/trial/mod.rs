@@ -30,7 +30,7 @@ use sdf_bake::HeightMap;
 use crate::measure::{despiked, unlike_repeat};
 
 pub use campaign::Campaign;
-pub use columns::{Given, TrialColumn};
+pub use columns::{QuantitySource, TrialColumn};
 pub use error::{Place, TrialError};
 pub use finding::{Checked, Finding, Severity};
 pub use frame_offset::{FrameErrors, FrameOffset};

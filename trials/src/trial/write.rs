@@ -14,7 +14,9 @@ use super::manifest::{
     TRIAL_FORMAT, ToolKind, ToolTable,
 };
 use super::scan::Mirror;
-use super::{ExposureMask, ForceInput, FrameErrors, Given, HeldTool, LabelMap, Pass, PassScan, Trial, TrialColumn};
+use super::{
+    ExposureMask, ForceInput, FrameErrors, HeldTool, LabelMap, Pass, PassScan, QuantitySource, Trial, TrialColumn,
+};
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
@@ -179,10 +181,10 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
 /// Entry of a quantity in `[columns]`; `None` if its name in the logs contains everything.
 fn column_entry(column: &TrialColumn) -> Option<(String, Spanned<ColumnEntry>)> {
     let (name, text) = match &column.given {
-        Given::Temperature => return None,
-        Given::Logs(header) if named_unit(header).1 == column.unit => return None,
-        Given::Logs(header) => (header, column.unit.clone()),
-        Given::Trial(value) => {
+        QuantitySource::Temperature => return None,
+        QuantitySource::Logs(header) if named_unit(header).1 == column.unit => return None,
+        QuantitySource::Logs(header) => (header, column.unit.clone()),
+        QuantitySource::Trial(value) => {
             let (unit, zero) = column.scale;
             (&column.name, format!("{} {}", number((value - zero) / unit), column.unit))
         }
