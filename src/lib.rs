@@ -44,12 +44,12 @@ use files::WrongUse;
 
 /// Formats an error with its causes in one line; causes already quoted by the outer messages are left out.
 pub fn in_full(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |told, cause| {
+    error.chain().fold(String::new(), |chain, cause| {
         let cause = cause.to_string();
-        match told.as_str() {
+        match chain.as_str() {
             "" => cause,
-            told if told.ends_with(&cause) => told.to_owned(),
-            told => format!("{told}: {cause}"),
+            chain if chain.ends_with(&cause) => chain.to_owned(),
+            chain => format!("{chain}: {cause}"),
         }
     })
 }

@@ -94,7 +94,7 @@ pub use placement::Placement;
 pub use removed::{REMOVED_RESOLUTION, removed_depth, round_full_scale};
 pub use scene::{Raster, Scene, Table};
 pub use sensor::Sensor;
-pub use shade::{BASE_STEEL, Finish, UNTOUCHED, WELD_METAL};
+pub use shade::{BASE_STEEL, SurfaceReflectance, UNTOUCHED, WELD_METAL};
 pub use text::{draw_text, text_size};
 pub use trace::Hit;
 pub use view::{RemovedView, View, render};

@@ -7,7 +7,7 @@
 //!                 alone, in lanes.
 //! ```
 //!
-//! Each share equals that of [`Towards::share`]. Lengths are in voxels, from the lowest voxel of the index.
+//! Each share equals that of [`ShadowRays::share`]. Lengths are in voxels, from the lowest voxel of the index.
 
 use glam::{IVec3, Vec3, Vec3A};
 
@@ -15,7 +15,7 @@ use super::field::Field;
 use super::index::BEYOND;
 use super::lanes::{Directions, LANES, Lanes, Points, any, larger, smaller};
 use super::padded::Cells;
-use super::shadow::{LEAST_STEP, STEEPEST, Towards};
+use super::shadow::{LEAST_STEP, STEEPEST, ShadowRays};
 use super::skyline::Skyline;
 use super::walk::{BRICK_SHIFT, integers};
 
@@ -31,7 +31,7 @@ const BALL_HEIGHT: f32 = 0.75;
 
 /// Rays towards a lamp from any tile.
 pub(crate) struct LampRays<'a> {
-    towards: Towards<'a>,
+    towards: ShadowRays<'a>,
     directions: Directions,
     skyline: Skyline,
     band: f32,
@@ -41,7 +41,7 @@ impl<'a> LampRays<'a> {
     /// `direction`: unit vector towards the lamp; `spread`: tangent of its half angle.
     pub(crate) fn new(field: &'a Field<'a>, direction: Vec3, spread: f32) -> Self {
         Self {
-            towards: Towards::new(field, direction, spread),
+            towards: ShadowRays::new(field, direction, spread),
             directions: Directions::all(direction),
             skyline: Skyline::new(field.padded(), direction),
             band: field.grid.band * field.per_metre as f32,
@@ -63,7 +63,7 @@ impl<'a> LampRays<'a> {
     /// [`Field::clearance`] along this lamp's direction.
     #[inline(always)]
     fn clearance(&self, at: Vec3A) -> Result<f32, (IVec3, u8)> {
-        let Towards { field, line, .. } = &self.towards;
+        let ShadowRays { field, line, .. } = &self.towards;
         let low = line.corner(at);
         let corner = integers(low);
         let brick = corner >> BRICK_SHIFT;

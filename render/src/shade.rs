@@ -10,7 +10,7 @@ use super::camera::Camera;
 use super::field::{Field, cell_of};
 use super::lanes::{LANES, Lanes, Points};
 use super::padded::Cells;
-use super::shadow::Towards;
+use super::shadow::ShadowRays;
 use super::surface::Surface;
 
 /// Albedo and reflectance at normal incidence, linear RGB.
@@ -105,7 +105,7 @@ pub(crate) fn light_share(field: &Field, surface: &Surface, towards: Vec3, sprea
         return 0.0;
     }
     let start = field.in_voxels(surface.position.as_dvec3()) + surface.normal * SHADOW_START;
-    Towards::new(field, towards, spread).share(start)
+    ShadowRays::new(field, towards, spread).share(start)
 }
 
 /// Share of open space just above a point, 0 to 1: φ along the normal relative to the distance (Evans 2006). It is

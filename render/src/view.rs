@@ -12,7 +12,7 @@ use super::field::Field;
 use super::frame::{Frame, VisibleObject};
 use super::material::WELD_BORDER;
 use super::removed::round_full_scale;
-use super::shade::{BASE_STEEL, Finish, Studio, UNTOUCHED, WELD_METAL, smooth_step};
+use super::shade::{BASE_STEEL, Studio, SurfaceReflectance, UNTOUCHED, WELD_METAL, smooth_step};
 use super::surface::{Surface, Surfaces, see};
 
 /// Background at the top and at the bottom of the image, linear RGB.
@@ -108,7 +108,7 @@ impl Light<'_> {
             Some(_) => self.studio.shade(self.field, surface, &UNTOUCHED),
             None => {
                 let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, surface.weld_share);
-                let finish = Finish {
+                let finish = SurfaceReflectance {
                     diffuse: BASE_STEEL.diffuse.lerp(WELD_METAL.diffuse, weld),
                     mirror: BASE_STEEL.mirror.lerp(WELD_METAL.mirror, weld),
                 };

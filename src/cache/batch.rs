@@ -13,7 +13,7 @@ use super::sources::Sources;
 use super::{Cache, Recipe, Record};
 use crate::baking::{FieldSettings, bake_part};
 use crate::part::Part;
-use crate::store::Filled;
+use crate::store::StoredItem;
 use files::budget::Budget;
 use files::file_lock::LockWait;
 use sdf_bake::memory_budget;
@@ -107,7 +107,7 @@ impl Work<'_> {
                 cache.keep(&recipe, baked)
             },
         )?;
-        let Some(Filled::There(record) | Filled::Made(record)) = filled else { return Ok(None) };
+        let Some(StoredItem::There(record) | StoredItem::Made(record)) = filled else { return Ok(None) };
         Ok(Some(Entry { key, record, bake_s: None }))
     }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use render::{
     Appearance, Camera, Distortion, Environment, Field, Frame, KeyLight, Lights, Material, Picture, Placement,
-    Projection, Raster, Scene as Stage, Seen, Sensor, Table,
+    Projection, Raster, Scene as Stage, Sensor, Table, VisibleObject,
 };
 use sdf_bake::BrickGrid;
 
@@ -50,7 +50,7 @@ pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -
     let exposure = exposure(&frame, scene.sensor.aim);
     let mut image = frame.clone();
     sensor(scene, exposure).expose(&mut image);
-    let on_part = |pixel: usize| frame.seen[pixel] == Seen::Part;
+    let on_part = |pixel: usize| frame.seen[pixel] == VisibleObject::Part;
     let code = |colour: Vec3| -> Colour {
         let signal = (colour * exposure as f32).clamp(Vec3::ZERO, Vec3::ONE);
         signal.powf(1.0 / GAMMA).to_array()
@@ -127,7 +127,7 @@ fn appearance(material: &MaterialDraw, coat: CoatingState) -> Appearance {
 
 /// Returns the exposure at which the mean luminance of the part is `aim`.
 fn exposure(frame: &Frame, aim: f64) -> f64 {
-    let lit = frame.colour.iter().zip(&frame.seen).filter(|(_, seen)| **seen == Seen::Part);
+    let lit = frame.colour.iter().zip(&frame.seen).filter(|(_, seen)| **seen == VisibleObject::Part);
     let (sum, count) =
         lit.fold((0.0, 0), |(sum, count), (colour, _)| (sum + f64::from(colour.dot(LUMINANCE)), count + 1));
     if sum > 0.0 { aim * f64::from(count) / sum } else { 1.0 }

@@ -152,8 +152,8 @@ impl Instrument {
         let holes = self.holes(&pixels, stream);
         let exposed = (0..pixels.len()).map(|k| {
             let dose = doses[k] + self.border_noise * noise[k];
-            let told = !holes[k] && (dose - threshold).abs() > self.undecided;
-            told.then_some(dose >= threshold)
+            let is_decided = !holes[k] && (dose - threshold).abs() > self.undecided;
+            is_decided.then_some(dose >= threshold)
         });
         ExposureMask { pixels, exposed: exposed.collect() }
     }

@@ -7,7 +7,7 @@ use sim::TOOL_CELLS;
 use super::answer::TrueTrial;
 use super::experiment_error::ExperimentError;
 use super::motion::Route;
-use super::trial_build::{Order, TrialBuild};
+use super::trial_build::{PassCommand, TrialBuild};
 use super::{Experiment, MakeError};
 use trials::trial::{Pass, Trial};
 
@@ -81,8 +81,8 @@ impl TrialBuild<'_> {
 }
 
 /// Command for a planned pass: the route of its rows in contact.
-fn ordered(pass: &Pass) -> Order {
+fn ordered(pass: &Pass) -> PassCommand {
     let pressed = pass.log.rows.iter().filter(|row| row.force > 0.0);
     let places: Vec<(f64, DVec2)> = pressed.map(|row| (row.time, row.position.truncate())).collect();
-    Order { way: Route::logged(&places), force_setpoint: pass.force_setpoint, spindle_speed: pass.spindle_speed }
+    PassCommand { way: Route::logged(&places), force_setpoint: pass.force_setpoint, spindle_speed: pass.spindle_speed }
 }

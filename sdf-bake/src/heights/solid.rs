@@ -6,7 +6,7 @@ use super::foot::distance;
 use super::lattice::{LatticeHeights, smoothing_sums, without_empty_rim};
 use super::{HeightMap, HeightsError, PixelGrid};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, voxel_at};
-use crate::implicit::Filled;
+use crate::implicit::BrickContents;
 
 /// Position of the sides and the bottom in a brick [voxels from its first voxel]: a band of three voxels fits around
 /// them.
@@ -182,17 +182,17 @@ impl Slab {
     }
 
     /// φ [m] of a brick.
-    fn fill(&self, brick: IVec3, voxel: f64) -> Filled {
+    fn fill(&self, brick: IVec3, voxel: f64) -> BrickContents {
         let low = brick.as_dvec3() * BRICK_SIDE as f64;
         let high = low + (BRICK_SIDE - 1) as f64;
         let (least, most) = self.range(low.truncate() - self.band, high.truncate() + self.band);
         if low.z - most >= self.band {
-            return Filled::Outside;
+            return BrickContents::Outside;
         }
         // The distance to a box is convex, so its maximum over the brick is at a corner.
         let corners = [low, low.with_x(high.x), low.with_y(high.y), high.with_z(low.z)];
         if high.z - least <= -self.band && corners.iter().all(|&corner| self.box_distance(corner) <= -self.band) {
-            return Filled::Inside;
+            return BrickContents::Inside;
         }
         let band = (self.band * voxel) as f32;
         let phi = |point: IVec3| {
@@ -206,7 +206,7 @@ impl Slab {
             };
             self.cut_by_box(surface, point)
         };
-        Filled::of(|offset| (phi(voxel_at(brick, offset)) * voxel) as f32, band)
+        BrickContents::of(|offset| (phi(voxel_at(brick, offset)) * voxel) as f32, band)
     }
 
     /// Least and greatest height [voxels] over a rectangle [voxels].

@@ -5,7 +5,7 @@ use glam::DVec2;
 use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 
-use super::{Around, Column, floor, reach};
+use super::{BilinearStencil, Column, floor, reach};
 use crate::sheet::{NO_SURFACE, Sheet};
 use sdf_bake::simd::in_wide_lanes;
 
@@ -16,8 +16,8 @@ const NOWHERE: i32 = i32::MAX / 2;
 pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
     let layers = columns.iter().map(|column| reach(grid, sheet.area_ratio(column.line))).max().unwrap_or(0);
     let mut near = Near::read(grid, sheet, layers);
-    let nearer = [1.0, -1.0].map(|side| -> Vec<Option<Around>> {
-        let around = |column: &Column| Around::of(sheet, column, DVec2::from(sheet.slope[column.line]) * side);
+    let nearer = [1.0, -1.0].map(|side| -> Vec<Option<BilinearStencil>> {
+        let around = |column: &Column| BilinearStencil::of(sheet, column, DVec2::from(sheet.slope[column.line]) * side);
         columns.iter().map(around).collect()
     });
     let mut renewed = Vec::new();
@@ -86,7 +86,7 @@ impl Near {
     fn find(
         &self,
         (grid, sheet): (&BrickGrid, &Sheet),
-        (columns, nearer): (&[Column], &[Option<Around>]),
+        (columns, nearer): (&[Column], &[Option<BilinearStencil>]),
         (layer, side): (i32, i32),
         out: &mut Vec<Far>,
     ) {
@@ -107,7 +107,7 @@ impl Near {
 
     /// Mean of φ [m] at voxel `k` over the columns around a point; `None` if one of them is beyond the band.
     #[inline(always)]
-    fn mean(&self, field: (&BrickGrid, &Sheet), around: &Around, k: i32) -> Option<f64> {
+    fn mean(&self, field: (&BrickGrid, &Sheet), around: &BilinearStencil, k: i32) -> Option<f64> {
         let (mut sum, mut known) = (0.0, true);
         for (line, weight) in around.lines.iter().zip(around.weights) {
             let phi = self.phi(field, *line, k);

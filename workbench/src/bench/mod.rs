@@ -51,8 +51,8 @@ impl Bench {
         let shared = Arc::new(Shared::default());
         let (tasks, waiting) = channel();
         let setup = Setup { place: place.clone(), out: out.clone(), root };
-        let told = shared.clone();
-        std::thread::Builder::new().name("bench".into()).spawn(move || worker::run(setup, &told, &waiting))?;
+        let of_worker = shared.clone();
+        std::thread::Builder::new().name("bench".into()).spawn(move || worker::run(setup, &of_worker, &waiting))?;
         Ok(Self { place, shared, out, tasks: Mutex::new(tasks) })
     }
 
