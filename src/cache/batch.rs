@@ -100,7 +100,7 @@ impl Work<'_> {
                 let part = Part::from_bytes(&bytes, settings.unit)?;
                 drop(bytes);
                 let options = settings.options(&part);
-                let _share = self.budget.share(memory_budget::check(&part.mesh, &options)?);
+                let _share = self.budget.reserve(memory_budget::check(&part.mesh, &options)?);
                 let baked = bake_part(&part, &options)?;
                 // Stored before other jobs can find the entry, so that it does not count as an earlier one.
                 lock(&self.baked).insert(key.clone(), baked.bake_s);

@@ -1,6 +1,6 @@
 //! Whitened noise has unit covariance, and fitted nuisance parameters do not count as evidence.
 
-use lab::{DegreesOfFreedom, Kernel, TileGrid, TileNoise, Tiles, Whitener};
+use lab::{Freedom, Kernel, TileGrid, TileNoise, Tiles, Whitener};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -23,10 +23,10 @@ fn noise() -> TileNoise {
 }
 
 /// Returns a height offset and a tilt of the scan, up to 50 µm.
-fn pose() -> DegreesOfFreedom {
+fn pose() -> Freedom {
     let place = centres();
     let columns = DMatrix::from_fn(TILES, 2, |row, k| if k == 0 { 1.0 } else { place[row].x / 0.02 });
-    DegreesOfFreedom::around_zero(columns, &[50e-6, 50e-6])
+    Freedom::around_zero(columns, &[50e-6, 50e-6])
 }
 
 fn normals(random: &mut Pcg64Mcg, count: usize) -> DVector<f64> {

@@ -59,7 +59,7 @@ fn faults_of_a_model_file_are_named() {
         ("dulling_volume = ", "dulling_volme = ", ["model.toml:13:", "unknown key `dulling_volme`", "dulling_volume"]),
         ("\"350 mm^3\"", "350.0", ["model.toml:13:", "350", "a text with number and unit"]),
         ("\"350 mm^3\"", "\"350 mm^2\"", ["model.toml:13:", "`350 mm^2` has the unit m^2", "m^3 is expected"]),
-        ("\"350 mm^3\"", "\"350 furlong\"", ["model.toml:13:", "unknown unit `furlong`"]),
+        ("\"350 mm^3\"", "\"350 furlong\"", ["model.toml:13:", "unknown unit `furlong`", "known are"]),
         ("\"350 mm^3\"", "[\"1 mm^3\", \"2 mm^3\"]", ["model.toml:13:", "2 values", "one value"]),
         ("\"350 mm^3\"", "nan", ["model.toml:13:", "NaN", "number and unit"]),
         ("free = [\"preston", "free = [\"prest", ["model.toml:3:", "`prest-threshold.grind_rate`", "effect.parameter"]),

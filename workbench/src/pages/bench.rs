@@ -78,7 +78,7 @@ fn part() -> Markup {
 fn held() -> Markup {
     html! {
         section #held aria-live="polite" hidden {
-            h2 { "Held by hand" }
+            h2 { "Set by hand" }
             p #held-words {}
             table #held-others {}
             button #keep type="button" { "Make it the model" }
