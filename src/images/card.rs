@@ -46,8 +46,8 @@ pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[F
     let _ = writeln!(
         text,
         "\n## Making\n\n`robofin dataset images {}`. The same flags give the same bytes. `robofin validate DIR` rehashes and rechecks \
-         everything, with `--repair` it makes what is broken again.\n\n## Licence\n\nOf workpieces that are assets: that of their \
-         parts. The bracket and the panel come with RoboFin.",
+         everything, with `--repair` it makes what is broken again.\n\n## Licence\n\nOf workpieces that are assets: that of \
+         their parts. The bracket and the panel come with RoboFin.",
         recipe.flags().join(" ")
     );
     for failure in failures {

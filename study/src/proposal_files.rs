@@ -37,7 +37,8 @@ fn errors(proposal: &Proposal) -> String {
     let which = if proposal.errors[0].evaluation_rms_um.is_some() { "held-out error" } else { "error" };
     let errors: Vec<String> = proposal.errors.iter().map(error).collect();
     format!(
-        "{which} {} {}; give it a name and a cause, and continue with --model {MODEL_WITH_PROPOSAL} --effects {PROPOSED_EFFECTS}",
+        "{which} {} {}; give it a name and a cause, and continue with --model {MODEL_WITH_PROPOSAL} \
+         --effects {PROPOSED_EFFECTS}",
         errors.join(", then "),
         proposal.error_unit.symbol()
     )

@@ -27,7 +27,8 @@ pub(super) fn add(page: &mut Page, proposal: &Proposal) {
         ));
     }
     page.block(&format!(
-        "<p>Give it a name and a cause, and continue with <code>--model {MODEL_WITH_PROPOSAL} --effects {PROPOSED_EFFECTS}</code>.</p>\n",
+        "<p>Give it a name and a cause, and continue with <code>--model {MODEL_WITH_PROPOSAL} \
+         --effects {PROPOSED_EFFECTS}</code>.</p>\n",
     ));
 }
 
