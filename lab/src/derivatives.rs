@@ -74,8 +74,11 @@ impl Fit {
         if self.jacobian.column_iter().any(|column| column.amax() == 0.0) {
             return self.differentiate(evidence, &(0..self.at.len()).collect::<Vec<_>>());
         }
-        let pairs: Vec<([Place; 2], usize)> =
-            self.principal_steps().into_par_iter().map(|way| self.sound_ends(evidence, &way)).collect();
+        let pairs: Vec<([Place; 2], usize)> = self
+            .principal_steps(0.5 * DERIVATIVE_CHANGE_AIM, 0.5 * DERIVATIVE_LONGEST_STEP)
+            .into_par_iter()
+            .map(|way| self.sound_ends(evidence, &way))
+            .collect();
         self.runs += pairs.iter().map(|(_, runs)| runs).sum::<usize>();
         let between = |[a, b]: &[Place; 2], k: usize| b.at[k] - a.at[k];
         let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| between(&pairs[i].0, k));
@@ -111,13 +114,21 @@ impl Fit {
         [-1.0, 1.0].map(|side| self.place(evidence, self.along(way, side)).unwrap_or_else(|| self.here()))
     }
 
-    /// Half of a central-difference step along each principal direction.
-    fn principal_steps(&self) -> Vec<Vec<f64>> {
+    /// Places on both sides along each principal direction, each changing the data by about `change` [σ] but no farther
+    /// away than the longest finite difference.
+    pub(super) fn places_around(&self, evidence: &dyn Evidence, change: f64) -> Vec<Place> {
+        let steps = self.principal_steps(change, DERIVATIVE_LONGEST_STEP);
+        let ways: Vec<Vec<f64>> = steps.iter().flat_map(|way| [-1.0, 1.0].map(|side| self.along(way, side))).collect();
+        ways.into_par_iter().filter_map(|at| self.place(evidence, at)).collect()
+    }
+
+    /// A step along each principal direction that changes the data by `change` [σ], at most `longest` [coordinates].
+    fn principal_steps(&self, change: f64, longest: f64) -> Vec<Vec<f64>> {
         let directions = self.jacobian.tr_mul(&self.jacobian).symmetric_eigen();
         let way = |k: usize| -> Vec<f64> {
             let way = directions.eigenvectors.column(k);
-            let sound = 0.5 * DERIVATIVE_CHANGE_AIM / directions.eigenvalues[k].max(1e-12).sqrt();
-            let length = sound.min(0.5 * DERIVATIVE_LONGEST_STEP / way.amax());
+            let sound = change / directions.eigenvalues[k].max(1e-12).sqrt();
+            let length = sound.min(longest / way.amax());
             way.iter().map(|way| length * way).collect()
         };
         (0..self.at.len()).map(way).collect()

@@ -199,7 +199,7 @@ fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, round.least_size());
     let projector = Projector::new(&round.base);
     let quicker = evidence.quicker();
-    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &round.base));
+    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &round.base));
     let quick: Option<&dyn Evidence> = surrogate.as_ref().map(|surrogate| surrogate as _);
     let look = Look { evidence: quick.unwrap_or(evidence), base: &round.base, projector: &projector };
     let first = round.screened.par_iter().filter(|screened| screened.candidate.name == screened.candidate.family);

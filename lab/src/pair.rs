@@ -54,7 +54,7 @@ pub(super) fn pair(
     (seed, told): (u64, OnProgress),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
     let quicker = evidence.quicker();
-    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &first.base));
+    let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &first.base));
     let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
     let mut joints = fitted(lattices, first, (model, library), told);
     joints.extend(beside_surest(lattices, first, (model, library), told));

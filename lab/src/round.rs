@@ -77,7 +77,7 @@ impl Round {
     ) -> Result<Self, EvidenceError> {
         let projector = Projector::new(&base);
         let quicker = evidence.quicker();
-        let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::like(quicker, &base));
+        let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &base));
         let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
         let look = Look { evidence: lattices.quick(), base: &base, projector: &projector };
         let model = with_values(model, &base);

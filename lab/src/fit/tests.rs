@@ -6,6 +6,8 @@ use effects::{Effect, Library, Model, Process, RowCounts};
 use super::*;
 use crate::evidence::Agreement;
 use crate::pass_trend::PassTrend;
+use crate::space_mapping::Surrogate;
+use crate::totals::{Total, Totals};
 
 /// Standard deviation of a depth [mm]; each place is ground for a second.
 const NOISE: f64 = 0.01;
@@ -14,6 +16,8 @@ const NOISE: f64 = 0.01;
 struct Valley {
     depths: Vec<f64>,
     unevenness: f64,
+    /// Factor on the predicted depths.
+    gain: f64,
 }
 
 impl Valley {
@@ -21,7 +25,7 @@ impl Valley {
     const TRUTH: [f64; 3] = [1.5, 0.2, 30.0];
 
     fn new(unevenness: f64) -> Self {
-        let mut valley = Self { depths: Vec::new(), unevenness: 0.0 };
+        let mut valley = Self { depths: Vec::new(), unevenness: 0.0, gain: 1.0 };
         valley.depths = valley.predicted(&model(Self::TRUTH));
         Self { unevenness, ..valley }
     }
@@ -31,7 +35,7 @@ impl Valley {
         let at = |i: usize| {
             let pressure = 0.6 + 0.1 * (i as f64 / 400.0 - 0.5) + 0.02 * (stiffness / 30.0).ln() * (i % 7) as f64;
             let ripple = self.unevenness * (1e3 * (rate + threshold * 7.0) + i as f64 * i as f64).sin();
-            rate * (pressure - threshold).max(0.0) + ripple * NOISE
+            self.gain * rate * (pressure - threshold).max(0.0) + ripple * NOISE
         };
         (0..400).map(at).collect()
     }
@@ -117,5 +121,31 @@ fn a_fit_comes_to_the_end_of_a_valley_that_bends() {
             let (ways, runs) = ways(unevenness, from);
             assert!(ways.iter().all(|way| way.abs() < 0.5), "from {from:?}: {ways:?} σ off after {runs} simulations");
         }
+    }
+}
+
+impl Totals for Valley {
+    fn totals(&self, _: &CompiledModel, _: Split) -> Result<Vec<Total>, EvidenceError> {
+        Ok(Vec::new())
+    }
+
+    fn unregistered(&self, _: &CompiledModel, _: Split) -> Result<Vec<f64>, EvidenceError> {
+        Ok(Vec::new())
+    }
+}
+
+#[test]
+fn a_surrogate_follows_the_usual_lattice_although_its_own_is_uneven() {
+    let usual = Valley::new(0.0);
+    let uneven = Valley { unevenness: 0.5, gain: 1.5, ..Valley::new(0.0) };
+    let start = model([1.3, 0.15, 20.0]);
+    let options = FitOptions { derivatives: 1, steps: 1 };
+    let fit = Fit::new(&usual, &start, usual.coordinates(&start), options).unwrap();
+    let constant = Surrogate::at(&uneven, &fit).unwrap();
+    let linear = Surrogate::around(&usual, &uneven, &fit).unwrap();
+    for place in fit.places_around(&usual, 40.0) {
+        let error = |surrogate: &Surrogate| fit.place(surrogate, place.at.clone()).unwrap().distance(&place);
+        let (constant, linear) = (error(&constant), error(&linear));
+        assert!(linear < 0.6 * constant.max(20.0), "{linear} σ off, {constant} σ without the slope, at {:?}", place.at);
     }
 }
