@@ -322,13 +322,13 @@ mod tests {
     }
 
     #[test]
-    fn a_store_is_gone_on_with_only_if_that_is_asked_and_it_is_the_same() {
+    fn a_store_continues_only_on_request_and_with_the_same_flags() {
         let place = tempfile::tempdir().unwrap();
         let folder = &place.path().join("words");
         let refused = |language: &str, occupied| start(folder, language, occupied).err().unwrap().to_string();
         start(folder, "English", Occupied::Refuse).unwrap();
         assert!(refused("English", Occupied::Refuse).contains("is a word list already: give --resume"));
-        assert!(refused("German", Occupied::Resume).contains("started otherwise: English, German asked"));
+        assert!(refused("German", Occupied::Resume).contains("started with other flags: English, German asked"));
         start(folder, "English", Occupied::Resume).unwrap();
         fs::write(folder.join("words.json"), "{\"format\": \"words/2\", \"language\": \"English\"}").unwrap();
         assert!(refused("English", Occupied::Resume).contains("format is \"words/2\", \"words/1\" is expected"));
