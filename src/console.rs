@@ -1,5 +1,4 @@
-//! Output of the program: messages and progress bars on standard error; one JSON object, or one a line, on standard
-//! output.
+//! Output of the program: messages and progress on standard error; one JSON object, or one a line, on standard output.
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -43,8 +42,7 @@ fn unless_closed(written: std::io::Result<()>) -> Result<()> {
     }
 }
 
-/// Console of the program. A verb makes one and lends it to the long work of this crate; the other crates report
-/// through return values and callbacks.
+/// Console of the program, for this crate only; the other crates report through return values and callbacks.
 pub struct Console {
     json: bool,
     bars: bool,

@@ -26,8 +26,7 @@ pub(crate) fn listen() {
 #[cfg(not(unix))]
 pub(crate) fn listen() {}
 
-/// Returns true if a signal was ignored when the program started, for example by `nohup`; Linux reports it as a
-/// hexadecimal mask.
+/// Returns true if a signal was ignored when the program started, for example by `nohup`; Linux reports a mask.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -1,5 +1,4 @@
-//! The bundled sealed example: a small synthetic campaign with a sealed answer. A study of it is compared with the
-//! opened seal.
+//! The bundled sealed example: a small synthetic campaign with a sealed answer. A study is compared with the seal.
 
 use std::fs;
 use std::path::Path;
@@ -50,8 +49,7 @@ pub struct Opened {
     pub found: Vec<String>,
     /// Verdict of the study.
     pub verdict: Verdict,
-    /// True if the study was right: it named the hidden effects, found `unknown` for an unlisted effect, or found
-    /// nothing missing if nothing was hidden.
+    /// True if the study was right: the hidden effects, `unknown` for an unlisted one, or nothing missing.
     pub is_right: bool,
     /// True if the measurements are those of the seal.
     pub measurements_unchanged: bool,

@@ -1,5 +1,4 @@
-//! A simulated trial on disk: logs and scans in the trial's format, the field, and the residuals against the
-//! measurement. If a pass fails, the passes before it are kept.
+//! A simulated trial on disk: logs, scans, field and residuals. If a pass fails, the passes before it are kept.
 
 use std::fs;
 use std::path::Path;
@@ -67,8 +66,7 @@ pub struct TrialRunSummary {
     force_rms_error_n: Vec<f64>,
     /// Impulse ∫ F dt of each pass [N s].
     impulse_ns: Vec<f64>,
-    /// Root mean square of measured minus simulated heights after registration on the untouched surface [µm]; empty for
-    /// sanding.
+    /// Root mean square of measured minus simulated heights after registration [µm]; empty for sanding.
     residual_rms_um: Vec<f64>,
     /// Noise of one scan, from the repeated scan [µm]; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,8 +84,7 @@ impl TrialRun {
     /// - `folder`: folder of the states that `keeping` requests
     ///
     /// # Errors
-    /// If a state cannot be read or written, or belongs to another trial or model. A pass that fails is not an error;
-    /// it is reported in [`TrialRun::stopped`].
+    /// If a state cannot be read or written, or is of another run. A failed pass is in [`TrialRun::stopped`].
     pub fn run(
         simulation: &Simulation,
         model: &CompiledModel,

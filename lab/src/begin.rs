@@ -24,8 +24,7 @@ pub(super) fn with_matched_rate(evidence: &dyn Totals, model: &CompiledModel) ->
 }
 
 /// Returns further starting models: each ratio but the rate is multiplied and divided by a factor, because a fit does
-/// not find its way from the minimum of a soft contact to that of a stiff one. Starts that cannot be simulated are left
-/// out.
+/// not find its way from the minimum of a soft contact to that of a stiff one. Starts without a simulation are omitted.
 pub(super) fn other_starts(evidence: &dyn Totals, model: &CompiledModel) -> Vec<CompiledModel> {
     let coordinates = evidence.coordinates(model);
     let is_ratio = |c: &&Coordinate| c.slot.is_law && c.slot.scale == Scale::Log && !is_rate(model, c);

@@ -114,8 +114,7 @@ impl ScanEvidence<'_> {
         matrix
     }
 
-    /// Removed depth of each tile up to a scan [m]; for an exposure mask, the largest detectable shift of its border
-    /// [m].
+    /// Removed depth of each tile up to a scan [m]; for an exposure mask, the largest detectable border shift [m].
     fn removed(&self, view: &ScanView) -> Vec<f64> {
         match &view.data {
             ScanData::Heights(data) => {

@@ -1,5 +1,4 @@
-//! Whitening: scales differences by the covariance of noise and nuisance degrees of freedom, to independent numbers of
-//! variance one.
+//! Whitening: scales differences by the covariance of noise and nuisance parameters, to unit variance.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

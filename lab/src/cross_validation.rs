@@ -61,8 +61,7 @@ impl CrossValidation {
         Self::in_folds(evidence, evidence.folds(), best)
     }
 
-    /// As [`Self::new`], with whole passes as folds where there are several: an effect that holds in one pass alone
-    /// predicts no other.
+    /// As [`Self::new`], with whole passes as folds where there are several: an effect of one pass predicts no other.
     pub(super) fn by_pass(evidence: &dyn Evidence, best: &Fit) -> Self {
         Self::in_folds(evidence, evidence.pass_folds(), best)
     }

@@ -1,5 +1,4 @@
-//! Derivatives of whitened residuals from simulations with numerical noise: long finite differences, and updates from
-//! earlier steps.
+//! Derivatives of whitened residuals from noisy simulations: long finite differences, updates from earlier steps.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -21,11 +20,28 @@ fn longest_factor(way: &[f64]) -> f64 {
     DERIVATIVE_LONGEST_STEP / way.iter().fold(f64::MIN_POSITIVE, |most, way| most.max(way.abs()))
 }
 
+/// Elementwise difference `b - a`.
+pub(super) fn difference(b: &[f64], a: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a))
+}
+
+/// Step between a pair of places [coordinates].
+fn way([a, b]: [&Place; 2]) -> DVector<f64> {
+    difference(&b.at, &a.at)
+}
+
+/// Least-squares slope of data with `changes` between pairs of places, shape [data, coordinates]; `None` without pairs.
+pub(super) fn slope(pairs: &[[Place; 2]], changes: &[DVector<f64>]) -> Option<DMatrix<f64>> {
+    let ways: Vec<DVector<f64>> = pairs.iter().map(|[a, b]| way([a, b])).collect();
+    let ways = (!ways.is_empty()).then(|| DMatrix::from_columns(&ways))?;
+    let inverse = ways.clone().pseudo_inverse(1e-6 * ways.amax()).ok()?;
+    Some(DMatrix::from_columns(changes) * inverse)
+}
+
 impl Fit {
     /// Broyden's update: makes the derivatives along the step to a tried place agree with the observed change. A step
     /// that changes the data by no more than the simulation's numerical noise is ignored.
     pub(super) fn update_jacobian(&mut self, tried: &Place) {
-        let difference = |b: &[f64], a: &[f64]| DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a));
         let way = difference(&tried.at, &self.at);
         let seen = difference(&tried.residuals, &self.residuals);
         if seen.norm() < DERIVATIVE_CHANGE_LEAST {
@@ -80,16 +96,12 @@ impl Fit {
             .map(|way| self.sound_ends(evidence, &way))
             .collect();
         self.runs += pairs.iter().map(|(_, runs)| runs).sum::<usize>();
-        let between = |[a, b]: &[Place; 2], k: usize| b.at[k] - a.at[k];
-        let ways = DMatrix::from_fn(self.at.len(), pairs.len(), |k, i| between(&pairs[i].0, k));
-        let seen = |[a, b]: &[Place; 2], n: usize| b.residuals[n] - a.residuals[n];
-        let changes = DMatrix::from_fn(self.residuals.len(), pairs.len(), |n, i| seen(&pairs[i].0, n));
-        let missing = changes - &self.jacobian * &ways;
-        let least = 1e-6 * ways.amax();
-        if let Ok(inverse) = ways.pseudo_inverse(least) {
-            self.jacobian += missing * inverse;
+        let places: Vec<[Place; 2]> = pairs.into_iter().map(|(places, _)| places).collect();
+        let change = |[a, b]: &[Place; 2]| difference(&b.residuals, &a.residuals) - &self.jacobian * way([a, b]);
+        if let Some(missing) = slope(&places, &places.iter().map(change).collect::<Vec<_>>()) {
+            self.jacobian += missing;
         }
-        let best = pairs.into_iter().flat_map(|(places, _)| places).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+        let best = places.into_iter().flatten().min_by(|a, b| a.chi2.total_cmp(&b.chi2));
         if let Some(best) = best.filter(|best| best.chi2 < self.chi2) {
             self.go_to(best);
         }
@@ -114,12 +126,11 @@ impl Fit {
         [-1.0, 1.0].map(|side| self.place(evidence, self.along(way, side)).unwrap_or_else(|| self.here()))
     }
 
-    /// Places on both sides along each principal direction, each changing the data by about `change` [σ] but no farther
-    /// away than the longest finite difference.
-    pub(super) fn places_around(&self, evidence: &dyn Evidence, change: f64) -> Vec<Place> {
+    /// Pairs of places on both sides along each principal direction; each place changes the data by about `change` [σ] but
+    /// is no farther away than the longest finite difference.
+    pub(super) fn pairs_around(&self, evidence: &dyn Evidence, change: f64) -> Vec<[Place; 2]> {
         let steps = self.principal_steps(change, DERIVATIVE_LONGEST_STEP);
-        let ways: Vec<Vec<f64>> = steps.iter().flat_map(|way| [-1.0, 1.0].map(|side| self.along(way, side))).collect();
-        ways.into_par_iter().filter_map(|at| self.place(evidence, at)).collect()
+        steps.into_par_iter().map(|step| self.ends(evidence, &step)).collect()
     }
 
     /// A step along each principal direction that changes the data by `change` [σ], at most `longest` [coordinates].

@@ -1,5 +1,4 @@
-//! Least and greatest values of variables and states in the data, from one simulation that sums them up, weighted with
-//! the removal.
+//! Least and greatest values of variables and states in the data, from one simulation weighted with the removal.
 
 use effects::{CompiledModel, Extent, Library, Model, NamedState, OneLine, Process, Unit, Variable};
 

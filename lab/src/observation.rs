@@ -137,8 +137,7 @@ impl ScanEvidence<'_> {
         least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
     }
 
-    /// Measured minus simulated tiles of a split, whitened, with a given blur [m]; the lattice error is not yet
-    /// removed.
+    /// Measured minus simulated tiles of a split, whitened, with a given blur [m], before the lattice error is removed.
     fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
         let mut whitened = self.whitened_alone(simulated, split, blur)?;
         self.whiten_frame(&mut whitened, split);

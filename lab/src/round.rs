@@ -59,8 +59,7 @@ pub struct Round {
     pub none: f64,
     /// Standard deviation of the best model's whitened residuals.
     pub spread: f64,
-    /// True if its best effect was found as a pair with that of the next search; then it need not be an adequate fit
-    /// alone.
+    /// True if its best effect was found as a pair with that of the next search, so it need not fit alone.
     pub is_half: bool,
     /// Seed of all draws.
     pub(super) seed: u64,

@@ -121,8 +121,7 @@ impl<'a> RowEvidence<'a> {
     }
 
     /// Contribution of the prior of each group's gain to each whitened residual of its calibration rows. It is a
-    /// constant over the group, orthogonal to the residuals after the gain, and its sum of squares is that of the
-    /// prior.
+    /// constant over the group, orthogonal to the residuals after the gain, with the prior's sum of squares.
     fn priors(&self, gains: &[f64], split: Split) -> Vec<f64> {
         let rows = |group: usize| self.calibration.iter().filter(|at| self.table.rows[**at].group == group).count();
         let own = |(group, gain): (usize, &f64)| match split {

@@ -69,8 +69,7 @@ impl ScanData {
         }
     }
 
-    /// Change of the tiles [m] for a change of the whitened ones, without the part that the scan's degrees of freedom
-    /// absorb.
+    /// Change of the tiles [m] for a change of the whitened ones, less what the scan's degrees of freedom absorb.
     fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
         match self {
             Self::Heights(view) => view.unwhitened(change),

@@ -151,8 +151,7 @@ impl Screened {
         Self { best: self.along(response, share), shift, ..self }
     }
 
-    /// Values at a multiple of the distance from null to a probe. For a ratio with an infinite null the reciprocal is
-    /// interpolated.
+    /// Values at a multiple of the distance from null to a probe. A ratio with an infinite null goes by its reciprocal.
     fn along(&self, response: &Response, share: f64) -> Vec<f64> {
         let mut values = response.probe.values.clone();
         let k = response.probe.amplitude;

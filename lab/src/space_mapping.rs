@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::coordinates::{Coordinate, moved};
+use super::derivatives::{difference, slope};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::{Fit, FitOptions, Place};
 use super::repredicted::{Prediction, Repredicted};
@@ -39,24 +40,22 @@ impl<'a> Surrogate<'a> {
         Some(Self { data: quicker, prediction: Mapped { quicker, offset, coordinates, from, slope } })
     }
 
-    /// Corrects the residuals to those of a fit, and their linear change by a regression of the discrepancy between both
-    /// lattices over places around the fit; `None` as in [`Self::at`].
+    /// Corrects the residuals to those of a fit, and their linear change by the discrepancy between both lattices at pairs
+    /// of places around the fit; `None` as in [`Self::at`].
     ///
     /// The places change the data as much as probes of effects do: over shorter steps the unevenness of the faster
     /// lattice would pass for a derivative.
     pub(super) fn around(usual: &dyn Evidence, quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
         let surrogate = Self::at(quicker, fit)?;
-        let change = PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * fit.chi2.sqrt());
-        let places = fit.places_around(usual, change);
-        let discrepancy = |place: Place| {
+        let pairs = fit.pairs_around(usual, PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * fit.chi2.sqrt()));
+        let discrepancy = |place: &Place| {
             let quick = quicker.residuals(&moved(&fit.model, &fit.coordinates, &place.at), Split::Calibration).ok()?;
-            Some((place.at, difference(&place.residuals, &quick)))
+            Some(difference(&place.residuals, &quick))
         };
-        let seen: Vec<(Vec<f64>, DVector<f64>)> = places.into_par_iter().filter_map(discrepancy).collect();
-        Some(match regressed(&fit.at, &seen) {
-            Some(slope) => surrogate.beside(slope),
-            None => surrogate,
-        })
+        let changes: Option<Vec<DVector<f64>>> =
+            pairs.par_iter().map(|[a, b]| Some(discrepancy(b)? - discrepancy(a)?)).collect();
+        let slope = changes.and_then(|changes| slope(&pairs, &changes));
+        Some(if let Some(slope) = slope { surrogate.beside(slope) } else { surrogate })
     }
 
     /// Adds a correction of the derivatives.
@@ -154,21 +153,4 @@ fn missing_slope(from: &Fit, there: &Fit, seen: &Fit) -> Option<DMatrix<f64>> {
     let way = difference(&there.at, &from.at);
     let missing = difference(&seen.residuals, &there.residuals) / way.norm_squared();
     Some(missing * way.transpose())
-}
-
-/// Slope of values over the places where they were seen, by least squares with a free constant, shape
-/// [values, coordinates]; `None` for too few places. A direction in which no place lies has no slope.
-fn regressed(from: &[f64], seen: &[(Vec<f64>, DVector<f64>)]) -> Option<DMatrix<f64>> {
-    let (first, count) = (&seen.first()?.1, seen.len() as f64);
-    let ways = DMatrix::from_fn(from.len(), seen.len(), |k, i| seen[i].0[k] - from[k]);
-    let mean = ways.column_mean();
-    let centred = DMatrix::from_fn(from.len(), seen.len(), |k, i| ways[(k, i)] - mean[k]);
-    let middle = seen.iter().fold(DVector::zeros(first.len()), |sum, (_, value)| sum + value) / count;
-    let changes = DMatrix::from_fn(first.len(), seen.len(), |n, i| seen[i].1[n] - middle[n]);
-    Some(changes * centred.clone().pseudo_inverse(1e-6 * centred.amax()).ok()?)
-}
-
-/// Elementwise difference `b - a`.
-fn difference(b: &[f64], a: &[f64]) -> DVector<f64> {
-    DVector::from_iterator(b.len(), b.iter().zip(a).map(|(b, a)| b - a))
 }

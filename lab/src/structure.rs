@@ -129,8 +129,7 @@ fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest
     (variance > 0.0).then(|| test(name, z, Normal::standard().cdf(z)))
 }
 
-/// Test of the correlation between the contributions of successive passes to the difference; `None` without two scans
-/// of one workpiece.
+/// Test of the correlation between the contributions of successive passes to the difference; `None` without such scans.
 fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
     let usable: Vec<&SharedTiles> =

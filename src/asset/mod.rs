@@ -1,7 +1,6 @@
 //! The asset folder: meshes, fields, labels and ground truth of a welded workpiece, in standard formats.
 //!
-//! Each file has an [`Exporter`] in a source file of its own, and a row in [`EXPORTS`]; `asset.json`, the [`Manifest`],
-//! is written last and holds the hashes of all.
+//! Each file has an [`Exporter`] and a row in [`EXPORTS`]; the [`Manifest`] is written last with all hashes.
 
 mod check;
 mod exporter;

@@ -13,8 +13,7 @@ use crate::wrong_use;
 /// Greatest number of characters of a value repeated in a message.
 const LONGEST_VALUE: usize = 60;
 
-/// Ends the program with all faults of the command line, of which the parser found `first`: one line for each wrong
-/// value, then the first other fault.
+/// Ends the program with the faults of the command line: one line for each wrong value, then `first`.
 pub(super) fn refuse(program: &Command, words: &[OsString], first: clap::Error) -> ! {
     if !first.use_stderr() {
         first.exit()

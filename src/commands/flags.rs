@@ -160,8 +160,7 @@ pub(super) fn solid_only(shell: Arg) -> Arg {
         .value_parser(|_: &str| Err::<f64, _>("only `robofin bake` takes it, and a weld needs a solid part".to_owned()))
 }
 
-/// Accepted contact stiffness [Pa/m]: from the softest foam that the law is calibrated for to ten times its hardest
-/// wheel.
+/// Accepted contact stiffness [Pa/m]: from the law's softest foam to ten times its hardest wheel.
 pub(super) const STIFFNESS: [f64; 2] = [1e5, 1e14];
 
 /// Converts millimetres to metres, if given.

@@ -134,8 +134,7 @@ enum Verb {
     Man(man::ManArgs),
 }
 
-/// Parses a command line, whose first word is the program's name, and runs the verb. Returns the exit code: 0 success,
-/// 1 failure, 2 wrong use.
+/// Parses a command line and runs the verb. Returns the exit code: 0 success, 1 failure, 2 wrong use.
 pub fn run(words: Vec<OsString>) -> u8 {
     let parsed = Cli::command().try_get_matches_from(&words);
     let matches = parsed.unwrap_or_else(|error| faults::refuse(&Cli::command(), &words, error));

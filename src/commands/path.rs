@@ -155,8 +155,7 @@ enum DirectionFlag {
     Y,
 }
 
-/// A planned path. It has the columns of a log, but no sensor: the force is zero or the setpoint, the spindle speed is
-/// constant.
+/// A planned path, with the columns of a log: the force is zero or the setpoint, the spindle speed constant.
 const PLAN: FileKind = FileKind { what: "a planned path", is_own: is_plan };
 
 fn is_plan(file: &Path) -> bool {

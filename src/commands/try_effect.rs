@@ -96,8 +96,7 @@ pub(super) fn run(args: &TryArgs, console: &Console) -> Result<()> {
     })
 }
 
-/// Returns the current model: of the ledger, or that of the flags if the ledger is empty; with its number, and true if
-/// its values come from a fit.
+/// The ledger's current model, else that of the flags; with its number, and true if its values come from a fit.
 fn current(args: &TryArgs, ledger: &Ledger, data: &Data, library: &Library) -> Result<(usize, Model, bool)> {
     let process = data.evidence().process();
     let Some(standing) = ledger.current() else {

@@ -24,8 +24,7 @@ struct SetAnswer<'a> {
     validation: &'a SetValidation,
 }
 
-/// Validates a data set, and repairs it on request. `from` names the folders searched for sources in a repair, instead
-/// of the original ones.
+/// Validates a data set, and repairs it on request. A repair searches the folders `from` for sources.
 pub(super) fn run(folder: &Path, repair: bool, from: Option<&[PathBuf]>, jobs: usize, console: &Console) -> Result<()> {
     let dataset = Dataset::open(folder)?;
     let mut found = look(&dataset, jobs, console)?;

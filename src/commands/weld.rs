@@ -49,8 +49,7 @@ pub(super) struct WeldArgs {
     wishes: WeldFlags,
 }
 
-/// Requested properties of the weld; the others are chosen for the part. Ranges are written `40..80`; the seed draws
-/// from them.
+/// Requested properties of the weld; the others are chosen for the part. Ranges: `40..80`; the seed draws from them.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct WeldFlags {
     /// Preset of length, curvature and exposure; each can be fixed beside it.

@@ -104,8 +104,7 @@ pub(super) fn index_of(id: &str) -> Option<u32> {
 }
 
 impl Plan {
-    /// Plans the items with the given indices of each source: at most `limit` of them, and of those the ones in the
-    /// shard.
+    /// Plans the items with the given indices of each source: at most `limit` of them, and of those the shard's.
     pub fn new(sources: Sources, unit: UnitChoice, indices: std::ops::Range<u32>, limit: usize, shard: Shard) -> Self {
         let mut plan = Self::default();
         let (mut keys, mut known) = (Vec::new(), BTreeSet::new());

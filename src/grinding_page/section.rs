@@ -29,8 +29,7 @@ pub(super) fn middle_section(ground: &Ground) -> String {
     .to_svg()
 }
 
-/// Returns offsets across the weld and heights above its centreline [mm] at a point of the curve; a line along the
-/// normal that meets no surface gives no point.
+/// Offsets across the weld and heights above its centreline [mm]; a line that meets no surface gives no point.
 fn outline(grid: &BrickGrid, weld: &WeldTruth, at: usize) -> Vec<(f64, f64)> {
     let curve = &weld.curve;
     let (centre, normal, side) = (curve.position[at], curve.normal[at], curve.side[at]);

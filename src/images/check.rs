@@ -32,8 +32,7 @@ pub(super) fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
     Ok([strange_records(set)?, courses(set)?].concat())
 }
 
-/// Returns the items that the set must contain: images listed in its metadata or with a record, and their
-/// prerequisites.
+/// Returns the items that the set needs: images listed in its metadata or with a record, and their prerequisites.
 pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
     let text = input::read(&set.folder().join(super::catalogue::METADATA_FILE), MOST_TEXT_BYTES).unwrap_or_default();
     let listed = text.split(|&byte| byte == b'\n').filter_map(|line| {
@@ -155,8 +154,7 @@ fn strange_records(set: &ImageSet) -> Result<Vec<String>> {
 /// Stages of a pattern, with the exposed share after each.
 type StudyState = Vec<(u32, f64)>;
 
-/// Checks that in one view the exposed share of a pattern never falls from stage to stage, because sanding only
-/// removes.
+/// Checks that in one view the exposed share of a pattern never falls from stage to stage: sanding only removes.
 fn courses(set: &ImageSet) -> Result<Vec<String>> {
     let mut courses: BTreeMap<(String, u32, &str), StudyState> = BTreeMap::new();
     for planned in set.recipe.images().iter().filter(|image| set.holds_image(image)) {

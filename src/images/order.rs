@@ -36,8 +36,7 @@ impl ImageRecipe {
         positions.take(limit).map(|position| all[position].clone()).collect()
     }
 
-    /// Returns positions in the list of treatments: the unsanded reference first, the bare one halfway, stages in turn
-    /// between.
+    /// Positions in the list of treatments: the unsanded reference first, the bare one halfway, stages in turn between.
     fn treatment_order(&self) -> Vec<usize> {
         let (patterns, stages) = (self.patterns.len(), self.stages as usize);
         let bare = patterns * stages + 1;

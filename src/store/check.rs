@@ -74,8 +74,7 @@ pub fn check<M: Described, I: Sync>(
     Ok(found)
 }
 
-/// Returns the faults of the set's own files, one sentence each. These files follow from the items, so they are
-/// compared only if the items have no faults.
+/// Returns the faults of the set's own files, one sentence each; these are compared only if no item has faults.
 fn check_catalogue<M: Described>(set: &Store<M>, items_hold: bool) -> Result<Vec<String>> {
     if !items_hold {
         return Ok(vec![format!("not compared with the {}, some of which are broken", M::ITEMS)]);

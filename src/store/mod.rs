@@ -6,8 +6,7 @@
 //! interruptions do not change a byte.
 //!
 //! A set is a store whose items are made by processes of their own: [`run`] starts them ([`process`], [`limits`]) and
-//! counts ([`progress`]), `failure` records failed items, [`catalogue`] describes the items, and [`check`] compares the
-//! set with its expected content.
+//! counts ([`progress`]), `failure` records failed items, [`catalogue`] lists items, [`check`] compares them.
 
 pub mod catalogue;
 pub mod check;
@@ -74,8 +73,7 @@ impl<M: Marker> Store<M> {
     /// Starts a store in an empty or new folder, or opens one with the same recipe.
     ///
     /// # Errors
-    /// Wrong use if the folder holds something else, or a store that `occupied` does not allow; otherwise if the folder
-    /// cannot be written.
+    /// Wrong use if the folder holds something that `occupied` does not allow; otherwise if it cannot be written.
     pub fn start(folder: &Path, recipe: M, occupied: Occupied) -> Result<Self> {
         let (place, marker) = (folder.display(), folder.join(M::FILE));
         if folder.exists() && !folder.is_dir() {

@@ -19,8 +19,7 @@ pub(super) fn check(truth: &Welds, part: &Mesh) -> Vec<Check> {
     truth.welds.iter().map(|weld| check_exposure(weld, &query)).collect()
 }
 
-/// Checks that the least exposure along a weld lies within the requested range; passes if the range was relaxed, as the
-/// recorded exposure shows.
+/// Checks that the least exposure along a weld lies within the requested range, unless the range was relaxed.
 fn check_exposure(weld: &WeldTruth, query: &MeshQuery) -> Check {
     let [low, high] = weld.requested.exposure;
     let rule = format!("weld {}: {RAYS} rays find its exposure within {low} to {high}", weld.id);

@@ -8,8 +8,7 @@ use sdf_bake::{Merged, Mesh};
 use crate::asset::{AssetFields, Check, SURFACE_FILE, Welds};
 use export::glb_read::ReadPart;
 
-/// Greatest |φ| of the trilinear field at a vertex [voxels]; extraction allows 0.6 on sharp edges and corners, which
-/// interpolation rounds off.
+/// Greatest |φ| of the trilinear field at a vertex [voxels]; extraction allows 0.6 on edges and corners.
 const OFF_FIELD: f64 = 0.61;
 /// Greatest difference between the volumes of mesh and field, over the mesh's area [voxels]. It is mostly below 0.03; a
 /// real part of 1 m at voxels of 8 mm, whose walls are thinner than a voxel and partly missing from the mesh, has 0.15.

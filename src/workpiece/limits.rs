@@ -45,8 +45,7 @@ fn check_sizes(wishes: &WeldSettings, voxel: f64) -> Result<()> {
     Ok(())
 }
 
-/// Checks the round toes of a bead on a face. The angle of a fillet is that of its seam, so a fillet is checked after
-/// its placement.
+/// Checks the round toes of a bead on a face. A fillet has the angle of its seam and is checked after placement.
 fn check_toe_radius(wishes: &WeldSettings, request: &WeldRequest, baking: &BakeOptions) -> Result<()> {
     if matches!(request.placement, Placement::Seam | Placement::Mixed) {
         return Ok(());
