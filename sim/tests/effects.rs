@@ -158,7 +158,7 @@ fn a_file_of_too_many_formulas_is_refused_before_they_are_evaluated() {
     // A circular definition has no unit from which that of a state could be inferred.
     let circle = "[state.s]\nper = \"tool\"\nrate = \"a\"\n[let]\na = \"b\"\nb = \"a\"\n";
     let message = refused(circle, "rate * (1 + amount * s)");
-    assert!(message.contains("in a circle: a -> b -> a"), "{message}");
+    assert!(message.contains("circular definitions: a -> b -> a"), "{message}");
 }
 
 #[test]

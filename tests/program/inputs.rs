@@ -184,6 +184,6 @@ fn no_error_repeats_what_a_foreign_file_holds() {
     assert!(outcome.status.code() != Some(0) && !outcome.stderr.contains(&half), "{}", outcome.stderr);
     fs::write(place("foreign.key"), &other[2..]).expect("it can be written");
     let outcome = run(robofin(["trial", "unseal"]).arg(&trials).arg("--key").arg(place("foreign.key")));
-    outcome.is_refused(2, &["text of 62 characters is no key"]);
+    outcome.is_refused(2, &["text of 62 characters is not a key"]);
     assert!(!outcome.stderr.contains(&half[2..12]), "{}", outcome.stderr);
 }

@@ -85,10 +85,10 @@ fn paths_that_cannot_be_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("path.csv");
     for (code, flags, words) in [
-        (2, &["--tool", "wheel:radius=50"][..], &["--tool", "`50` is no length"][..]),
+        (2, &["--tool", "wheel:radius=50"][..], &["--tool", "`50` is not a length"][..]),
         (2, &["--tool", "wheel:radius=50mm"], &["--tool", "the size `width` is missing"]),
         (2, &["--tool", "brush:radius=5mm"], &["--tool", "no tool is called `brush`"]),
-        (2, &["--tool", "pad:radius=5mm,width=2mm"], &["--tool", "`width` is no size of it"]),
+        (2, &["--tool", "pad:radius=5mm,width=2mm"], &["--tool", "no size `width`"]),
         (2, &["--raster", "0,0,1", "--spacing-mm", "1"], &["--raster", "X0,Y0,X1,Y1"]),
         (2, &["--raster", "5,0,1,1", "--spacing-mm", "1"], &["--raster", "X0 < X1"]),
         (2, &["--raster", "0,0,1,1", "--spacing-mm", "0"], &["--spacing-mm", "0.001 to 1000"]),

@@ -74,12 +74,12 @@ fn a_state_without_a_unit_gets_that_of_its_motion() {
 fn definitions_in_a_circle_are_followed_round() {
     let circle = "[let]\na = \"b + 1\"\nb = \"c * 2\"\nc = \"a - amount\"\n";
     let message = refusal(&effect_file("rate = \"rate * (1 + amount * a)\"", circle));
-    says(&message, &["in a circle: a -> b -> c -> a", "let.c", "trial.toml:12:6"]);
+    says(&message, &["circular definitions: a -> b -> c -> a", "let.c", "trial.toml:12:6"]);
 
     let lag = "[parameters.lag]\nunit = \"s\"\nnull = 0.0\nrange = [0.1, 1.0]\n[state.slow]\nper = \"tool\"\nunit = \"1\"\n\
                target = \"amount + slow\"\ntime = \"lag\"\n";
     let message = refusal(&effect_file("rate = \"rate * (1 + slow)\"", lag));
-    says(&message, &["state.slow.target", "in a circle: slow -> slow"]);
+    says(&message, &["state.slow.target", "circular definitions: slow -> slow"]);
 }
 
 #[test]
@@ -118,14 +118,14 @@ fn files_with_wrong_keys_and_values_say_what_is_accepted() {
     let good = effect_file("rate = \"rate * (1 + amount)\"", "");
     check_file("trial.toml", &good).unwrap();
     for (from, to, words) in [
-        ("title", "tittle", ["trial.toml:2:", "`tittle` means nothing here", "accepted are name, title"]),
-        ("unit = \"1\"", "unit = \"furlong\"", ["trial.toml:6:", "parameters.amount.unit", "`furlong` is no unit"]),
+        ("title", "tittle", ["trial.toml:2:", "unknown key `tittle`", "accepted are name, title"]),
+        ("unit = \"1\"", "unit = \"furlong\"", ["trial.toml:6:", "parameters.amount.unit", "unknown unit `furlong`"]),
         ("range = [-1.0, 1.0]", "range = [1.0, -1.0]", ["trial.toml:8:", "range", "the lesser first"]),
         ("range = [-1.0, 1.0]", "range = [-1.0, inf]", ["trial.toml:8:", "inf", "two finite numbers"]),
         ("range = [-1.0, 1.0]", "range = [0.0, 1.0]\nscale = \"log\"", ["trial.toml:8:", "range", "above zero"]),
         ("range = [-1.0, 1.0]", "range = [-1.0, 1.0]\ndefault = 2.0", ["trial.toml:9:", "2", "within the range"]),
         ("range = [-1.0, 1.0]", "range = [-1.0, 1.0]\nper = \"day\"", ["trial.toml:9:", "`day`", "model, pass, scan"]),
-        ("rate = \"", "speed = \"", ["modify.speed", "`speed` means nothing here", "spindle_speed"]),
+        ("rate = \"", "speed = \"", ["modify.speed", "unknown key `speed`", "spindle_speed"]),
         ("rate = \"", "rate = \"rate *\"\n#", ["trial.toml:11:15", "found the end", "a number, a name"]),
         ("[modify]", "[modify", ["trial.toml:10:", "not TOML", "unclosed"]),
         ("amount]", "pressure]", ["trial.toml:5:", "`pressure` is taken", "a variable of the simulation"]),
