@@ -130,7 +130,7 @@ fn tables_without_enough_are_refused() {
             },
         )
         .collect();
-    refused(MANIFEST, &text, &["rows.csv, line 2, column 1", "not a number", "90 of 90 rows cannot be used"]);
+    refused(MANIFEST, &text, &["rows.csv, line 2, column 1", "no number", "90 of 90 rows cannot be used"]);
     refused(
         &MANIFEST.replace("csv = \"rows.csv\"", "csv = \"rows.csv\"\norder = \"dat\""),
         &rows(),

@@ -179,7 +179,7 @@ fn what_is_no_table_is_refused() {
     fs::write(folder.path().join("pass1_log.csv"), "t_s,x_mm,y_mm,z_mm,force_n,spindle_rpm\n").unwrap();
     refused(folder.path(), &["pass1_log.csv", "0 rows", "at least 2"]);
     fs::write(folder.path().join("pass1_log.csv"), "t_s,x_mm,y_mm,z_mm,force,spindle_rpm\n0,0,0,0,0,0\n").unwrap();
-    refused(folder.path(), &["line 1", "no column force_n", "\"force\" is near"]);
+    refused(folder.path(), &["line 1", "no column force_n", "the nearest is \"force\""]);
 }
 
 #[test]
