@@ -145,7 +145,7 @@ impl<'a> Predictor<'a> {
         Ok(surfaces)
     }
 
-    /// Observation models of the scans after all passes, given the surface that each hypothesis predicts.
+    /// Returns the observation model of the scan after each pass, from the surfaces predicted by the hypotheses.
     fn sights(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<Sight<'_>>, EvidenceError> {
         let views: Vec<&ScanView> = self.evidence.views.iter().filter(|view| view.trial == TEMPLATE).collect();
         let before = self.unground(&stages[0], &self.hypotheses[0].models[0])?;
@@ -187,7 +187,7 @@ impl<'a> Predictor<'a> {
 }
 
 impl Outline<'_> {
-    /// Converts the surfaces after all passes to data.
+    /// Returns the whitened data of the scans of predicted surfaces, pass by pass.
     fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
         let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
         DVector::from_vec(self.sights.iter().zip(surfaces).flat_map(scan).collect()) * self.scale

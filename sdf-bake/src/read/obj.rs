@@ -177,7 +177,7 @@ fn explain(error: tobj::LoadError, text: &str, consumed: usize) -> ReadError {
             format!("line {line}: {statement} is not a face; `f i j k ...` with vertex numbers is accepted")
         }
         ScalingByZeroError => format!("line {line}: {statement} has weight 0"),
-        // The error is found after all lines are read; the line number comes from the text.
+        // The parser reports this error without a line number; the text is searched for the line.
         FaceVertexOutOfBounds => face_out_of_bounds(text).unwrap_or_else(|| error.to_string()),
         other => other.to_string(),
     };
