@@ -5,8 +5,8 @@ use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, 
 use super::coordinates::Coordinate;
 use super::evidence::Evidence;
 use crate::criteria::{
-    PROBE_NARROW_HIGH, PROBE_NARROW_LOW, PROBE_SHAPE_HIGH, PROBE_SHAPE_LOW, PROBE_TYPICAL_SHARE, PROBE_WIDE_HIGH,
-    PROBE_WIDE_LOW, PROBE_WIDE_MIDDLE, PROBE_WIDE_RATIO,
+    PROBE_CHANGE_SHARE, PROBE_CHANGE_SIGMAS, PROBE_NARROW_HIGH, PROBE_NARROW_LOW, PROBE_SHAPE_HIGH, PROBE_SHAPE_LOW,
+    PROBE_TYPICAL_SHARE, PROBE_WIDE_HIGH, PROBE_WIDE_LOW, PROBE_WIDE_MIDDLE, PROBE_WIDE_RATIO,
 };
 
 /// An effect added to a model, with the values to probe.
@@ -31,6 +31,11 @@ pub struct Probe {
     pub values: Vec<f64>,
     /// Index of the parameter that is off its null.
     pub amplitude: usize,
+}
+
+/// Change of the whitened data [σ] that a probe should make beside a misfit [σ].
+pub(super) fn probe_change(misfit: f64) -> f64 {
+    PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * misfit)
 }
 
 impl Candidate {
@@ -82,8 +87,7 @@ impl Candidate {
     }
 }
 
-/// Amplitudes to try [SI], on one side of the null only: small effects of opposite sign differ in the sign of their
-/// change alone.
+/// Amplitudes to try [SI], on one side of the null: small effects of opposite sign differ only in sign.
 fn tried(slot: &ParameterSlot) -> Vec<f64> {
     let [least, greatest] = slot.range;
     if slot.scale == Scale::Log {

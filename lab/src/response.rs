@@ -114,8 +114,7 @@ impl Response {
 }
 
 impl Look<'_> {
-    /// Simulates an effect at a probe, first with unchanged base parameters, then with those that follow it; `None` if
-    /// it cannot be simulated.
+    /// Simulates a probe with fixed base parameters, then with those that follow the effect; `None` if this fails.
     pub(super) fn at(&self, candidate: &Candidate, probe: &Probe) -> Option<Response> {
         let seen = |shift: &[f64]| {
             let model = shifted(candidate.at(&probe.values), self.base, shift);

@@ -5,11 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::probe::{Candidate, Probe};
+use super::probe::{Candidate, Probe, probe_change};
 use super::response::{Look, Projector, Response};
 use crate::criteria::{
-    EXTRAPOLATION_MOST, LARGER_PROBE_DELTA_CHI2, LARGER_PROBE_RATIO, LARGER_PROBES, PROBE_CHANGE_SHARE,
-    PROBE_CHANGE_SIGMAS, PROBE_LEAST_DISTANCE, PROBE_MISS_RATIO, SHAPE_GAIN_SHARE,
+    EXTRAPOLATION_MOST, LARGER_PROBE_DELTA_CHI2, LARGER_PROBE_RATIO, LARGER_PROBES, PROBE_LEAST_DISTANCE,
+    PROBE_MISS_RATIO, SHAPE_GAIN_SHARE,
 };
 
 /// The first look at an effect.
@@ -42,7 +42,7 @@ impl Screened {
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
         let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
         let mut screened = Self { candidate, responses, delta_chi2: 0.0, best: nulls, shift: Vec::new() };
-        let wanted = PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * look.projector.residuals.norm());
+        let wanted = probe_change(look.projector.residuals.norm());
         let apt: Vec<Option<Response>> = screened
             .responses
             .par_iter()

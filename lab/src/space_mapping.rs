@@ -9,11 +9,10 @@ use super::coordinates::{Coordinate, moved};
 use super::derivatives::{difference, slope};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::{Fit, FitOptions, Place};
+use super::probe::probe_change;
 use super::repredicted::{Prediction, Repredicted};
 use super::totals::{Total, Totals};
-use crate::criteria::{
-    DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, MAPPING_ROUNDS, PROBE_CHANGE_SHARE, PROBE_CHANGE_SIGMAS,
-};
+use crate::criteria::{DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, MAPPING_ROUNDS};
 
 /// A faster prediction of data that reproduces the residuals of a fit at its values.
 pub(super) type Surrogate<'a> = Repredicted<'a, Mapped<'a>>;
@@ -47,7 +46,7 @@ impl<'a> Surrogate<'a> {
     /// lattice would pass for a derivative.
     pub(super) fn around(usual: &dyn Evidence, quicker: &'a dyn Totals, fit: &Fit) -> Option<Self> {
         let surrogate = Self::at(quicker, fit)?;
-        let pairs = fit.pairs_around(usual, PROBE_CHANGE_SIGMAS.max(PROBE_CHANGE_SHARE * fit.chi2.sqrt()));
+        let pairs = fit.pairs_around(usual, probe_change(fit.chi2.sqrt()));
         let discrepancy = |place: &Place| {
             let quick = quicker.residuals(&moved(&fit.model, &fit.coordinates, &place.at), Split::Calibration).ok()?;
             Some(difference(&place.residuals, &quick))

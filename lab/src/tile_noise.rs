@@ -11,8 +11,7 @@ use trials::measure::centre_and_sigma;
 
 /// Sides of the square blocks of tiles over which a likelihood is a product, in descending order.
 const BLOCK_SIDES: [usize; 6] = [12, 10, 8, 6, 5, 4];
-/// Correlation lengths that are tried [tiles]. A shorter one is independent noise of a tile; one above half a block
-/// resembles the scan's pose.
+/// Tried correlation lengths [tiles]; shorter ones are independent noise, longer ones resemble the scan's pose.
 const NOISE_LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Factors on both sides of the best length that are tried next: half the logarithmic distance to the next length, then
 /// half of that.

@@ -170,8 +170,7 @@ impl<'a> Predictor<'a> {
         })
     }
 
-    /// Tiles within the union of all hypotheses' cuts, with the noise of a scan of the first hypothesis's surface. Rims
-    /// are left out.
+    /// Tiles within the union of all hypotheses' cuts except rims, with the scan noise of the first hypothesis.
     fn cut(&self, view: &HeightView, before: &[f64], after: &[&[f64]]) -> Option<(Tiles, Whitener)> {
         let (side, noise) = self.tiles.as_ref()?;
         let pixels = view.measured.pixels;
