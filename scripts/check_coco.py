@@ -2,9 +2,10 @@
 
     python check_coco.py DIR
 
-Every annotation is decoded; its mask must be the class of that number in the index label, and area and box must be those
-that pycocotools finds. Every image must have one annotation of each category and lie where the file says.
-Prints one line of JSON: {"files", "images", "annotations", "empty", "faults"}.
+Every annotation is decoded. The mask of a class must be that class in the index label, that of the workpiece its labelled
+pixels, and the masks of welds the weld instances of its view; area and box must be those that pycocotools finds. What an
+image does not show must have no annotation, and every image must lie where the file beside it says.
+Prints one line of JSON: {"files", "images", "annotations", "faults"}.
 """
 
 import contextlib
@@ -18,10 +19,12 @@ import numpy
 from pycocotools import mask
 from pycocotools.coco import COCO
 
+KINDS = ("appearance", "dose")
+
 
 def main(folder):
-    answer = {"files": 0, "images": 0, "annotations": 0, "empty": 0, "faults": []}
-    for path in sorted((folder / "annotations").glob("*.json")):
+    answer = {"files": 0, "images": 0, "annotations": 0, "faults": []}
+    for path in sorted(path for kind in KINDS for path in folder.glob(f"*/{kind}.json")):
         answer["files"] += 1
         check(folder, path, answer)
     print(json.dumps(answer))
@@ -31,29 +34,39 @@ def check(folder, path, answer):
     # The package prints how long it took.
     with contextlib.redirect_stdout(io.StringIO()):
         coco = COCO(str(path))
-    kind = path.name.split("-")[0]
+    lines = [json.loads(line) for line in (path.parent / "metadata.jsonl").read_text().splitlines()]
+    places = {line["file_name"]: line for line in lines}
     for image in coco.loadImgs(coco.getImgIds()):
         answer["images"] += 1
-        name = pathlib.Path(image["file_name"]).name
-        labels = read_grey(folder / kind / name)
+        name = image["file_name"]
+        labels = read_grey(folder / places[name][path.stem])
+        instances = read_grey(folder / places[name]["instances"])
         found = coco.loadAnns(coco.getAnnIds(imgIds=image["id"]))
-        faults = [f"{path.name}: {name}: {fault}" for fault in compare(coco, image, labels, found)]
-        if not (folder / image["file_name"]).is_file():
-            faults.append(f"{path.name}: {name}: no image there")
+        faults = [f"{path}: {name}: {fault}" for fault in compare(coco, image, (labels, instances), found)]
+        if not (path.parent / name).is_file():
+            faults.append(f"{path}: {name}: no image there")
         answer["annotations"] += len(found)
-        answer["empty"] += sum(annotation["area"] == 0 for annotation in found)
         answer["faults"] += faults
 
 
-def compare(coco, image, labels, found):
-    if labels.shape != (image["height"], image["width"]):
-        yield f"labels of {labels.shape}"
+def expected(labels, instances):
+    """The masks that an image must have, by category; categories are numbered as in the file."""
+    welds = [instances == weld for weld in range(2, int(instances.max()) + 1)]
+    masks = [(1, labels == 1), (2, labels == 2), (3, labels != 0)] + [(4, weld) for weld in welds]
+    return [(category, shown) for category, shown in masks if shown.any()]
+
+
+def compare(coco, image, planes, found):
+    labels, instances = planes
+    if labels.shape != (image["height"], image["width"]) or instances.shape != labels.shape:
+        yield f"labels of {labels.shape}, instances of {instances.shape}"
         return
-    if sorted(annotation["category_id"] for annotation in found) != sorted(coco.getCatIds()):
-        yield "not one annotation of each category"
-    for annotation in found:
-        category = annotation["category_id"]
-        if not numpy.array_equal(coco.annToMask(annotation) == 1, labels == category):
+    wanted = expected(labels, instances)
+    if [annotation["category_id"] for annotation in found] != [category for category, _ in wanted]:
+        yield f"categories {[annotation['category_id'] for annotation in found]}"
+        return
+    for annotation, (category, shown) in zip(found, wanted):
+        if not numpy.array_equal(coco.annToMask(annotation) == 1, shown):
             yield f"the mask of category {category} is not its label"
         rle = coco.annToRLE(annotation)
         if int(mask.area(rle)) != annotation["area"]:

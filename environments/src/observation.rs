@@ -4,6 +4,7 @@ use effects::Process;
 use sim::surface::way_to_surface;
 
 use crate::environment::Environment;
+use crate::strip::PITCH;
 
 /// Number of zones along the weld in the state: behind the tool, below it, ahead of it.
 const ZONES: usize = 3;
@@ -81,7 +82,7 @@ fn left_at(environment: &Environment, station: isize, place: isize) -> f64 {
 fn nearest(environment: &Environment) -> (isize, isize) {
     let stance = environment.stance;
     let station = (stance.arc / environment.task.curve.pitch()).round() as isize;
-    let place = (stance.offset / 1e-3).round() as isize + environment.strip.shape()[1] as isize / 2;
+    let place = (stance.offset / PITCH).round() as isize + environment.strip.shape()[1] as isize / 2;
     (station, place)
 }
 
@@ -103,7 +104,7 @@ fn state(environment: &Environment, out: &mut [f32]) {
     ];
     let (station, place) = nearest(environment);
     let pitch = task.curve.pitch();
-    let (zone, bin) = ((ZONE / pitch).round().max(1.0) as isize, (BIN / 1e-3) as isize);
+    let (zone, bin) = ((ZONE / pitch).round().max(1.0) as isize, (BIN / PITCH) as isize);
     let mean = |number: usize| {
         let (z, b) = ((number / BINS) as isize - ZONES as isize / 2, (number % BINS) as isize - BINS as isize / 2);
         let (first, left) = (station + z * zone - zone / 2, place + b * bin - bin / 2);

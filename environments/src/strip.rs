@@ -10,7 +10,7 @@ use sim::surface::way_to_surface;
 use crate::curve::Curve;
 
 /// Distance between points across the weld [m].
-const PITCH: f64 = 1e-3;
+pub(crate) const PITCH: f64 = 1e-3;
 /// Search range for the surface below its last height [m].
 const DOWN: f64 = 3e-3;
 /// Search range above its last height, which allows for rounding [m].

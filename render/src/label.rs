@@ -1,8 +1,10 @@
 //! Index labels of an image: pixels with sanded coating, pixels with intact coating, and undecided pixels.
 //!
 //! Both labels start from the share of the coating that is removed at a pixel, 0 to 1. By dose it is min(D, 1). By
-//! appearance it is the change of the pixel relative to that from the unsanded to the bare reference, |I − I_unsanded|
-//! / |I_bare − I_unsanded|; all three are rendered without noise with the same camera and light.
+//! appearance it is the pixel's distance from the unsanded reference relative to its distances from both references,
+//! |I − I_unsanded| / (|I − I_unsanded| + |I − I_bare|). On the way from one to the other this is the share of the way;
+//! a pixel that resembles neither, such as a primer, is near one half. All three are rendered without noise with the same
+//! camera and light.
 
 /// Outside the workpiece.
 pub const BACKGROUND: u8 = 0;
@@ -28,7 +30,10 @@ pub type Colour = [f32; 3];
 pub fn seen_share(seen: Colour, unsanded: Colour, bare: Colour) -> Option<f32> {
     let distance = |a: Colour, b: Colour| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
     let contrast = distance(bare, unsanded);
-    (contrast >= LEAST_CONTRAST).then(|| (distance(seen, unsanded) / contrast).min(1.0))
+    (contrast >= LEAST_CONTRAST).then(|| {
+        let from_unsanded = distance(seen, unsanded);
+        from_unsanded / (from_unsanded + distance(seen, bare))
+    })
 }
 
 /// Labels of an image, row by row from the top left.
@@ -92,6 +97,9 @@ mod tests {
         assert!((seen_share(half, paint, metal).unwrap() - 0.5).abs() < 1e-6);
         assert_eq!(seen_share(metal, paint, metal), Some(1.0));
         assert_eq!(seen_share([0.71, 0.7, 0.7], [0.69, 0.7, 0.7], metal), None);
+        // A red primer resembles neither.
+        let primer = seen_share([0.6, 0.1, 0.1], paint, metal).unwrap();
+        assert!((UNSANDED_TO..SANDED_FROM).contains(&primer), "{primer}");
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! 3. geometry buffers: depth, normal, position, weld id, dose, [`removed_depth`], visibility;
 //! 4. light: a [`Scene`] is photographed ([`Material`], [`Marks`], [`Lights`]); a [`View`] is drawn with edges or in
 //!    the [`colour_map`] of removed depth;
-//! 5. [`Sensor`]: blur, exposure and noise; [`label`]: pixels with sanded coating; [`contact_sheet`]: panels and legend
+//! 5. [`Optics`] and [`Sensor`]: defocus, motion, vignetting, blur, exposure and noise; [`label`]: pixels with sanded coating; [`contact_sheet`]: panels and legend
 //!    in one picture.
 //!
 //! Every sample is a pure function of its arguments, so a picture is the same for any number of threads.
@@ -56,6 +56,7 @@ mod marks;
 mod material;
 mod microfacet;
 mod occupancy;
+mod optics;
 mod padded;
 mod photographer;
 mod placement;
@@ -70,7 +71,9 @@ mod shade_lanes;
 mod shadow;
 mod skyline;
 mod surface;
+mod swirl;
 mod text;
+mod texture;
 mod tile;
 mod trace;
 mod view;
@@ -86,9 +89,10 @@ pub use field::Field;
 pub use frame::{Frame, Picture, VisibleObject};
 pub use legend::Legend;
 pub use lens::Distortion;
-pub use lights::{Environment, KeyLight, Lights};
+pub use lights::{Environment, KeyLight, LightPanel, Lights};
 pub use marks::{MOST_POINTS, MarkPoint, Marks};
 pub use material::{Appearance, FRESH_WELD, GROUND_STEEL, Material, PRIMER, ROLLED_STEEL};
+pub use optics::Optics;
 pub use photographer::Photographer;
 pub use placement::Placement;
 pub use removed::{REMOVED_RESOLUTION, removed_depth, round_full_scale};
@@ -96,5 +100,6 @@ pub use scene::{Raster, Scene, Table};
 pub use sensor::Sensor;
 pub use shade::{BASE_STEEL, SurfaceReflectance, UNTOUCHED, WELD_METAL};
 pub use text::{draw_text, text_size};
+pub use texture::Texture;
 pub use trace::Hit;
 pub use view::{RemovedView, View, render};

@@ -4,9 +4,13 @@ use glam::{DVec3, Vec3};
 use shaders::constants::ELONGATION;
 
 use super::lanes::{LANES, Lanes, Points, integer};
+use super::swirl::arc;
 
 /// Greatest number of path points that are kept: the direction of the marks varies slowly over their distance.
 pub const MOST_POINTS: usize = 48;
+
+/// Length of a pixel on the surface, relative to an orbit's radius, from which its arcs have no common direction.
+const LONGEST_PIXEL: f32 = 0.15;
 
 /// A point on a tool's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,15 +34,22 @@ pub struct Marks {
     pub slope: f32,
     /// Anisotropy: reduction of roughness along the marks relative to across, 0 to 1 (Burley 2012).
     pub anisotropy: f32,
+    /// Radius of an orbital pad's motion [m]: its arcs replace marks along the path. On the CPU only.
+    pub orbit: Option<f32>,
 }
 
 impl Default for Marks {
     fn default() -> Self {
-        Self { path: Vec::new(), width: 0.35e-3, slope: 0.22, anisotropy: 0.75 }
+        Self { path: Vec::new(), width: 0.35e-3, slope: 0.22, anisotropy: 0.75, orbit: None }
     }
 }
 
 impl Marks {
+    /// True if there are no marks.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.path.is_empty() && self.orbit.is_none()
+    }
+
     /// Parallel marks along a direction.
     pub fn parallel(along: DVec3) -> Self {
         let along = along.normalize_or(DVec3::X).as_vec3();
@@ -67,6 +78,31 @@ impl Marks {
     /// `footprints`: lengths of pixels on the surface [m]; finer grooves turn into roughness.
     #[inline(always)]
     pub(crate) fn grooves(&self, points: &Points, normals: &Points, footprints: &Lanes) -> Grooves {
+        match self.orbit {
+            None => self.along_the_path(points, normals, footprints),
+            Some(orbit) => self.swirl(points, normals, (footprints, orbit)),
+        }
+    }
+
+    /// Arcs of an orbit of radius `orbit` [m].
+    #[inline(always)]
+    fn swirl(&self, points: &Points, normals: &Points, (footprints, orbit): (&Lanes, f32)) -> Grooves {
+        let mut grooves = Grooves { along: Points::ZERO, tilt: [0.0; LANES], share: [0.0; LANES] };
+        for i in 0..LANES {
+            let (point, normal) = (points.get(i), normals.get(i));
+            let slope = self.slope * self.fade(footprints[i]);
+            let none = Groove { along: any_tangent(normal), tilt: 0.0, share: 0.0 };
+            let groove = arc(point, normal, orbit, (self.width, slope)).unwrap_or(none);
+            grooves.along.set(i, groove.along);
+            // In a pixel that holds many arcs their directions cancel.
+            let single = 1.0 - (footprints[i] / (LONGEST_PIXEL * orbit)).clamp(0.0, 1.0);
+            (grooves.tilt[i], grooves.share[i]) = (groove.tilt, groove.share * single);
+        }
+        grooves
+    }
+
+    #[inline(always)]
+    fn along_the_path(&self, points: &Points, normals: &Points, footprints: &Lanes) -> Grooves {
         let (mut along, mut centre, mut arc, mut weights) = (Points::ZERO, Points::ZERO, [0.0; LANES], [0.0; LANES]);
         for mark in &self.path {
             for i in 0..LANES {
@@ -90,6 +126,12 @@ impl Marks {
         grooves
     }
 
+    /// Share of a groove's slope that is visible in a pixel of this length on the surface [m].
+    #[inline(always)]
+    fn fade(&self, footprint: f32) -> f32 {
+        1.0 - ((footprint / self.width - 0.4) / 0.8).clamp(0.0, 1.0)
+    }
+
     #[inline(always)]
     fn groove(&self, mix: &Mix, point: Vec3, normal: Vec3, footprint: f32) -> Groove {
         let along = mix.along - normal * normal.dot(mix.along);
@@ -98,11 +140,10 @@ impl Marks {
         let along = along / length;
         let across = normal.cross(along).dot(point - mix.centre / mix.weights) / self.width;
         let down = mix.arc / mix.weights / (self.width * ELONGATION);
-        let fade = 1.0 - ((footprint / self.width - 0.4) / 0.8).clamp(0.0, 1.0);
         let slope = noise_slope(across, down) + 0.6 * noise_slope(2.7 * across + 11.3, 1.3 * down);
         Groove {
             along: if has_direction { along } else { any_tangent(normal) },
-            tilt: if has_direction { self.slope * fade * slope } else { 0.0 },
+            tilt: if has_direction { self.slope * self.fade(footprint) * slope } else { 0.0 },
             share: if has_direction { 1.0 } else { 0.0 },
         }
     }
@@ -125,13 +166,13 @@ pub(crate) struct Grooves {
 
 /// The marks at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Groove {
+pub(crate) struct Groove {
     /// Unit tangent along the marks.
-    along: Vec3,
+    pub(crate) along: Vec3,
     /// Slope of the surface across them [1].
-    tilt: f32,
-    /// 1 if the path gives a direction, else 0.
-    share: f32,
+    pub(crate) tilt: f32,
+    /// 1 if there is a mark, else 0.
+    pub(crate) share: f32,
 }
 
 /// Returns a unit vector perpendicular to a unit vector (Duff et al. 2017).
@@ -144,7 +185,7 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec3 {
 
 /// Derivative along u of value noise on the integer lattice (u, v), within ±2.
 #[inline(always)]
-fn noise_slope(u: f32, v: f32) -> f32 {
+pub(crate) fn noise_slope(u: f32, v: f32) -> f32 {
     let (low_u, low_v) = (u.floor(), v.floor());
     let (fu, fv) = (u - low_u, v - low_v);
     let (iu, iv) = (integer(low_u), integer(low_v));

@@ -5,9 +5,15 @@ use glam::Vec3;
 use super::lanes::{LANES, Lanes, Points};
 use super::marks::Marks;
 use super::shade::smooth_step;
+use super::texture::Texture;
 
 /// Share of weld metal at which the weld's appearance starts, and at which it is complete.
 pub(crate) const WELD_BORDER: (f32, f32) = (0.35, 0.65);
+
+/// Doses at which the primer starts to show through the coating, and at which the coating is gone.
+const PRIMER_FROM: (f32, f32) = (0.3, 0.6);
+/// Doses at which metal starts to show through the primer, and at which the primer is gone.
+const METAL_FROM: (f32, f32) = (0.65, 0.95);
 
 /// A microfacet material (Burley 2012, metallic-roughness).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +62,12 @@ pub struct Appearance {
     pub marks: Marks,
     /// Removed depth from which metal looks ground [m].
     pub ground_depth: f32,
+    /// Layer between coating and metal, visible where little coating is left. On the CPU only.
+    pub primer: Option<Material>,
+    /// Variation of all materials of the part. On the CPU only.
+    pub texture: Option<Texture>,
+    /// Share of exposed metal everywhere, 0 to 1, instead of min(D, 1). On the CPU only.
+    pub exposed: Option<f32>,
 }
 
 impl Default for Appearance {
@@ -67,6 +79,9 @@ impl Default for Appearance {
             coating: None,
             marks: Marks::default(),
             ground_depth: 5e-6,
+            primer: None,
+            texture: None,
+            exposed: None,
         }
     }
 }
@@ -109,7 +124,7 @@ impl MaterialLanes {
 }
 
 impl Appearance {
-    /// Mixes coated and exposed appearance by min(D, 1). Exposed metal is ground where a tool has removed metal or
+    /// Mixes coated and exposed appearance by min(D, 1), through a primer if there is one. Exposed metal is ground where a tool has removed metal or
     /// coating, otherwise base or weld metal.
     ///
     /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
@@ -134,8 +149,16 @@ impl Appearance {
 
     #[inline(always)]
     fn coated(&self, coating: Material, dose: f32, removed: f32) -> Blend {
-        let exposed = dose.clamp(0.0, 1.0);
-        let ground = smooth_step(0.0, self.ground_depth, removed);
-        Blend { material: coating.mixed(self.ground, exposed), ground: ground * exposed }
+        let exposed = self.exposed.unwrap_or(dose.clamp(0.0, 1.0));
+        let (bottom, metal) = match self.primer {
+            None => (coating, exposed),
+            Some(primer) => {
+                let through = smooth_step(PRIMER_FROM.0, PRIMER_FROM.1, exposed);
+                (coating.mixed(primer, through), smooth_step(METAL_FROM.0, METAL_FROM.1, exposed))
+            }
+        };
+        // An orbital pad marks all metal that it lays bare.
+        let ground = if self.marks.orbit.is_some() { 1.0 } else { smooth_step(0.0, self.ground_depth, removed) };
+        Blend { material: bottom.mixed(self.ground, metal), ground: ground * metal }
     }
 }

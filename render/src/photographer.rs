@@ -53,7 +53,8 @@ impl<'a> Photographer<'a> {
     /// Submits the work of one photograph without reading it back. `part` is the scene's part on the device.
     ///
     /// # Errors
-    /// [`RenderError`] if the picture is too large for the adapter or the device fails.
+    /// [`RenderError`] if the scene has a feature of the CPU's photographs alone, the picture is too large for the
+    /// adapter or the device fails.
     pub fn draw(
         &self,
         part: &PartBuffers,
@@ -61,6 +62,9 @@ impl<'a> Photographer<'a> {
         camera: &Camera,
         raster: &Raster,
     ) -> Result<Drawn, RenderError> {
+        if let Some(feature) = scene.only_on_the_cpu() {
+            return Err(RenderError::OnlyOnTheCpu { feature });
+        }
         let stage = Stage::new(scene, camera, raster);
         self.renderer.draw(part, &render_stage(&stage), &rows(&stage))
     }

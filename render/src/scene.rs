@@ -10,12 +10,13 @@ use super::frame::Frame;
 use super::gbuffer_lanes::{Clear, PrimaryRays, Samples};
 use super::lanes::{LANES, Points, any};
 use super::light_visibility::LampRays;
-use super::lights::Lights;
+use super::lights::{LightPanel, Lights, Panel};
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
 use super::rays::ImagePositions;
 use super::rows::Rows;
 use super::shade_lanes::ShadeLanes;
+use super::texture::Texture;
 use super::tile::{TILE, TileVisibility, tile_pixels};
 
 /// Adjacent tiles for which one ray determines the clear length.
@@ -28,6 +29,8 @@ pub struct Table {
     pub height: f64,
     /// Material of its top.
     pub material: Material,
+    /// Variation of the material. On the CPU only.
+    pub texture: Option<Texture>,
 }
 
 /// Everything that a camera can see. Lights, table and camera are in the scene's frame, whose z axis points up.
@@ -63,6 +66,19 @@ impl Default for Raster {
 }
 
 impl<'a> Scene<'a> {
+    /// Returns the first thing in the scene that only the CPU can photograph.
+    pub(crate) fn only_on_the_cpu(&self) -> Option<&'static str> {
+        let Appearance { marks, primer, texture, exposed, .. } = &self.appearance;
+        let found = [
+            ("marks of an orbital pad", marks.orbit.is_some()),
+            ("a primer", primer.is_some()),
+            ("a texture", texture.is_some() || self.table.is_some_and(|table| table.texture.is_some())),
+            ("a set share of exposed metal", exposed.is_some()),
+            ("a luminous panel", !self.lights.panels.is_empty()),
+        ];
+        found.into_iter().find(|(_, is_there)| *is_there).map(|(name, _)| name)
+    }
+
     /// A part in the pose of its own frame, with the default lights; coated if it has a dose.
     pub fn new(part: &'a BrickGrid) -> Self {
         let coating = (!part.dose.is_empty()).then_some(PRIMER);
@@ -139,6 +155,7 @@ pub(crate) struct Stage<'a> {
     pub(crate) half_image: f64,
     pub(crate) camera: Camera,
     pub(crate) lamps: Vec<Lamp>,
+    pub(crate) panels: Vec<Panel>,
     /// Unit vector that points up in the scene.
     pub(crate) up: DVec3,
     /// Height of the table along `up` [m]; −∞ without a table.
@@ -153,6 +170,12 @@ impl<'a> Stage<'a> {
             irradiance: key.irradiance,
             spread: key.spread,
         };
+        let panel = |panel: &LightPanel| Panel {
+            towards: placement.direction_to_part(panel.towards).as_vec3(),
+            across: placement.direction_to_part(panel.across).as_vec3(),
+            half: panel.half,
+            radiance: panel.radiance,
+        };
         Self {
             scene,
             raster,
@@ -160,6 +183,7 @@ impl<'a> Stage<'a> {
             half_image: camera.half_image(),
             camera: placement.camera_to_part(camera),
             lamps: scene.lights.keys.iter().map(lamp).collect(),
+            panels: scene.lights.panels.iter().map(panel).collect(),
             up: placement.direction_to_part(DVec3::Z),
             table: scene.table.map_or(f64::NEG_INFINITY, |table| table.height - placement.translation.z),
         }

@@ -7,6 +7,7 @@ use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
 use super::scene::Stage;
 use super::shade::facing;
+use super::texture::Texture;
 use super::tile::TileVisibility;
 
 /// Light along the rays of a tile, linear RGB; compiled by `pulp` for each instruction set.
@@ -50,8 +51,13 @@ impl ShadeLanes<'_> {
         let mut light = Points::ZERO;
         for i in 0..LANES {
             let (facets, viewer) = (facets.get(i), -samples.directions.get(i));
-            let mirrored = environment.radiance(facets.mirrored(viewer).dot(up), facets.roughness());
-            let around = environment.radiance(facets.normal.dot(up), 1.0);
+            let mirror = facets.mirrored(viewer);
+            let mut mirrored = environment.radiance(mirror.dot(up), facets.roughness());
+            let mut around = environment.radiance(facets.normal.dot(up), 1.0);
+            for panel in &stage.panels {
+                mirrored += panel.radiance(mirror, facets.roughness());
+                around += panel.radiosity(facets.normal);
+            }
             let open = facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored;
             light.set(i, open * shelter.open[i]);
         }
@@ -83,7 +89,7 @@ impl ShadeLanes<'_> {
         }
         let ground = &materials.ground;
         let is_ground = ground.iter().fold(false, |any, ground| any | (*ground > 0.0));
-        if is_ground && !appearance.marks.path.is_empty() {
+        if is_ground && !appearance.marks.is_empty() {
             let grooves = self.grooves(&normals);
             for i in 0..LANES {
                 facets.set(i, &self.marked(i, &facets.get(i), ground[i], &grooves));
@@ -98,13 +104,24 @@ impl ShadeLanes<'_> {
         let Self { stage, appearance, samples, .. } = self;
         let Samples { is_table, weld_share, dose, removed, .. } = samples;
         let mut materials = appearance.blends(weld_share, dose, removed);
+        if let Some(texture) = &appearance.texture {
+            for i in 0..LANES {
+                materials.set(i, self.textured(i, materials.blend(i), texture));
+            }
+        }
         if let Some(table) = stage.scene.table.filter(|_| any(is_table)) {
             for i in 0..LANES {
-                let blend = Blend { material: table.material, ground: 0.0 };
+                let plain = Blend { material: table.material, ground: 0.0 };
+                let blend = table.texture.map_or(plain, |texture| self.textured(i, plain, &texture));
                 materials.set(i, if is_table[i] { blend } else { materials.blend(i) });
             }
         }
         materials
+    }
+
+    #[inline(always)]
+    fn textured(&self, lane: usize, blend: Blend, texture: &Texture) -> Blend {
+        Blend { material: texture.applied(blend.material, self.samples.positions.get(lane)), ..blend }
     }
 
     #[inline(always)]

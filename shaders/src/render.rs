@@ -31,6 +31,12 @@ pub struct PartChannels<'a> {
 /// Reason why no picture was made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RenderError {
+    /// The scene has a feature that the kernels lack.
+    #[error("{feature} is photographed on the CPU only: use --backend cpu")]
+    OnlyOnTheCpu {
+        /// The feature, with its article.
+        feature: &'static str,
+    },
     /// Header and arrays of the grid do not match.
     #[error(transparent)]
     Grid(#[from] GridError),

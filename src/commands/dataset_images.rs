@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::Args;
 use paths::Pattern;
+use perception::Look;
 use serde::Serialize;
 
 use super::dataset::{jobs, report_items};
@@ -14,7 +15,9 @@ use super::item_flags::{GIGABYTES, SECONDS};
 use super::render::parse_size;
 use super::values::{number, one_of, whole};
 use crate::console::Console;
-use crate::images::make::Task;
+use crate::images::make::{STEPS, Task};
+use crate::images::plan::{Split, SplitBy};
+use crate::images::recipe::NO_LOOKS;
 use crate::images::workpiece::Coated;
 use crate::images::{IMAGES_FORMAT, ImageRecipe, ImageSet};
 use crate::store::Occupied;
@@ -32,7 +35,7 @@ const CONTENTS: &str = "Contents";
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A set has WORKPIECES x PLACEMENTS x (PATTERNS x STAGES + 2) images, by default 2 x 12 x (6 x 5 + 2) = 768. Their bytes follow
+    after_help = "A set has WORKPIECES x PLACEMENTS x (PATTERNS x STAGES + 2) images, by default 6 x 4 x (6 x 5 + 2) = 768. Their bytes follow
 from the flags above --limit; never from --jobs, --threads, --limit or interruptions.
 
 Examples:
@@ -53,12 +56,12 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     seed: u64,
-    /// Coated workpieces: bracket, panel, and asset folders made by `robofin weld`.
+    /// Coated workpieces: bracket, panel, tee, lap, channel, hood, and asset folders made by `robofin weld`.
     #[arg(
         long,
         value_name = "NAME|DIR,...",
         value_delimiter = ',',
-        default_value = "bracket,panel",
+        default_value = "bracket,panel,tee,lap,channel,hood",
         help_heading = CONTENTS
     )]
     workpieces: Vec<String>,
@@ -66,7 +69,7 @@ pub(super) struct ImagesArgs {
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 12,
+        default_value_t = 4,
         allow_negative_numbers = true,
         value_parser = whole::<u32>(COUNTS),
         help_heading = CONTENTS
@@ -104,6 +107,18 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     voxel_mm: f64,
+    /// What no two splits share: workpieces, or placements as in the paper.
+    #[arg(
+        long,
+        value_name = "WHAT",
+        default_value = SplitBy::Workpiece.name(),
+        value_parser = one_of(&SplitBy::ALL, |split| [split.name(), split.about()]),
+        help_heading = CONTENTS
+    )]
+    split_by: SplitBy,
+    /// Looks of the photographs, or none [default: all]: texture, swirl, primer, studio, optics, compression.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS)]
+    looks: Vec<String>,
     /// At most this many images, with every state of the coating, workpiece, placement and split in its share of the
     /// set; a larger limit with --resume adds to those that are there.
     #[arg(
@@ -181,6 +196,7 @@ struct ImagesAnswer<'a> {
     out: &'a Path,
     workpieces: Summary,
     sandings: Summary,
+    views: Summary,
     images: Summary,
 }
 
@@ -194,8 +210,12 @@ struct PlanAnswer<'a> {
 pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits(), args.recipe()?);
     let steps = args.steps(&recipe)?;
-    let [workpieces, sandings, images] = steps.each_ref().map(Vec::len);
+    let [workpieces, sandings, _, images] = steps.each_ref().map(Vec::len);
     console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
+    if recipe.splits().iter().all(|split| *split == Split::Train) {
+        let held = recipe.split_by.name();
+        console.step("split", format!("fewer than three {held}s: all images are for training, none for tests"));
+    }
     if args.dry_run {
         return report_plan(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
     }
@@ -203,10 +223,10 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
     let catalogue = Catalogue::update(&set)?;
     console.step("dataset", format!("{} images listed in {}", catalogue.items, args.out.display()));
-    console.step("done", summaries[2].describe(jobs));
+    console.step("done", summaries[STEPS - 1].describe(jobs));
     let failed: usize = summaries.iter().map(|summary| summary.failed).sum();
-    let [workpieces, sandings, images] = summaries;
-    console.answer_line(&ImagesAnswer { out: &args.out, workpieces, sandings, images })?;
+    let [workpieces, sandings, views, images] = summaries;
+    console.answer_line(&ImagesAnswer { out: &args.out, workpieces, sandings, views, images })?;
     match failed {
         0 => Ok(()),
         failed => bail!(
@@ -217,8 +237,12 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
 }
 
 /// Does the tasks of all steps and reports each.
-pub(super) fn make(run: &Run<'_, ImageRecipe>, steps: &[Vec<Task>; 3], console: &Console) -> Result<[Summary; 3]> {
-    let mut summaries = [Summary::default(), Summary::default(), Summary::default()];
+pub(super) fn make(
+    run: &Run<'_, ImageRecipe>,
+    steps: &[Vec<Task>; STEPS],
+    console: &Console,
+) -> Result<[Summary; STEPS]> {
+    let mut summaries = [(); STEPS].map(|()| Summary::default());
     for (tasks, summary) in steps.iter().zip(&mut summaries) {
         *summary = report_items(tasks.len(), console, |done| run.run(tasks, done))?;
     }
@@ -246,11 +270,13 @@ impl ImagesArgs {
             stages: self.stages,
             size: self.size,
             voxel_mm: self.voxel_mm,
+            split_by: self.split_by,
+            looks: chosen_looks(&self.looks)?,
         })
     }
 
     /// Returns the tasks to do.
-    fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; 3]> {
+    fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; STEPS]> {
         let Some(id) = &self.only else {
             let images = recipe.images_within(self.limit.unwrap_or(usize::MAX));
             return Ok(Task::chosen(recipe, &images.into_iter().map(|image| image.id).collect()));
@@ -263,8 +289,26 @@ impl ImagesArgs {
     }
 }
 
+/// Returns the looks of these names in their order; all of them if no name is given.
+fn chosen_looks(words: &[String]) -> Result<Vec<Look>> {
+    match words {
+        [] => return Ok(Look::ALL.to_vec()),
+        [word] if word == NO_LOOKS => return Ok(Vec::new()),
+        _ => {}
+    }
+    let known = || Look::ALL.map(Look::name).join(", ");
+    let of = |word: &String| {
+        let found = Look::ALL.into_iter().find(|look| look.name() == word);
+        found.ok_or_else(|| wrong_use(format!("--looks {word}: {}, or {NO_LOOKS} alone is accepted", known())))
+    };
+    let mut looks = words.iter().map(of).collect::<Result<Vec<Look>>>()?;
+    looks.sort_unstable();
+    looks.dedup();
+    Ok(looks)
+}
+
 /// Reports the tasks without doing them.
-fn report_plan(steps: &[Vec<Task>; 3], set: Option<&ImageSet>, console: &Console) -> Result<()> {
+fn report_plan(steps: &[Vec<Task>; STEPS], set: Option<&ImageSet>, console: &Console) -> Result<()> {
     let mut missing = 0;
     for task in steps.iter().flatten() {
         let is_there = set.is_some_and(|set| task.is_there(set));

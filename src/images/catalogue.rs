@@ -5,26 +5,20 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 
-use super::coco::{self, Annotation};
+use perception::coco::{self, Annotation, CocoImage, Heading};
+
+use super::metadata::MetadataLine;
 use super::plan::{Planned, Split};
-use super::record::{ImageRecord, file_path};
+use super::record::{ImageRecord, file_name, label_path};
+use super::view::view_paths;
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, contact_sheet};
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
 
-/// Name of the file with one line of JSON for each image.
-pub const METADATA_FILE: &str = "metadata.jsonl";
-
-/// COCO files of each kind of label, one for each split in the order of [`Split::ALL`].
-const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
-    (
-        APPEARANCE_FOLDER,
-        [
-            "annotations/appearance-train.json",
-            "annotations/appearance-validation.json",
-            "annotations/appearance-test.json",
-        ],
-    ),
-    (DOSE_FOLDER, ["annotations/dose-train.json", "annotations/dose-validation.json", "annotations/dose-test.json"]),
+/// Files of each split, in the order of [`Split::ALL`]: lines, COCO by appearance, COCO by dose.
+pub(super) const SPLIT_FILES: [[&str; 3]; 3] = [
+    ["train/metadata.jsonl", "train/appearance.json", "train/dose.json"],
+    ["validation/metadata.jsonl", "validation/appearance.json", "validation/dose.json"],
+    ["test/metadata.jsonl", "test/appearance.json", "test/dose.json"],
 ];
 
 impl Described for ImageRecipe {
@@ -35,15 +29,24 @@ impl Described for ImageRecipe {
         let records = there.iter().map(|image| set.read_record(&image.id)).collect::<Result<Vec<ImageRecord>>>()?;
         let failures = set.failures()?;
         let mut files = BTreeMap::from([
-            (METADATA_FILE, lines(records.iter())?),
             (FAILURES_FILE, lines(failures.iter())?),
             (CARD_FILE, card::write(&set.recipe, &records, &failures).into_bytes()),
             (CONTACT_FILE, contact_sheet::draw(set, &records)?),
         ]);
-        for (folder, names) in ANNOTATIONS {
-            for (split, name) in Split::ALL.into_iter().zip(names) {
-                files.insert(name, annotations(set, (folder, split), &records)?);
+        for (split, [metadata, appearance, dose]) in Split::ALL.into_iter().zip(SPLIT_FILES) {
+            let of_split = |(planned, record): &(Planned, ImageRecord)| planned.split == split && record.split == split;
+            let pairs: Vec<(Planned, ImageRecord)> =
+                there.iter().cloned().zip(records.iter().cloned()).filter(of_split).collect();
+            // A split without images has no files: readers refuse empty ones.
+            if pairs.is_empty() {
+                continue;
             }
+            let view = |planned: &Planned| set.recipe.view_of(planned);
+            let of: Vec<MetadataLine<'_>> =
+                pairs.iter().map(|(planned, record)| MetadataLine::of(record, &view(planned))).collect();
+            files.insert(metadata, lines(of.iter())?);
+            files.insert(appearance, annotations(set, APPEARANCE_FOLDER, &pairs)?);
+            files.insert(dose, annotations(set, DOSE_FOLDER, &pairs)?);
         }
         Ok(Catalogue { files, items: records.len() })
     }
@@ -53,24 +56,32 @@ impl Described for ImageRecipe {
     }
 }
 
-/// Writes the COCO file of one kind of label in one split.
-fn annotations(set: &ImageSet, (folder, split): (&str, Split), records: &[ImageRecord]) -> Result<Vec<u8>> {
+/// Writes the COCO file of one kind of label for images of one split.
+fn annotations(set: &ImageSet, folder: &str, pairs: &[(Planned, ImageRecord)]) -> Result<Vec<u8>> {
     let size = set.recipe.size;
-    let records: Vec<&ImageRecord> = records.iter().filter(|record| record.split == split).collect();
-    let of = |record: &&ImageRecord| -> Result<Vec<Annotation>> {
-        Ok(coco::annotations(record.number, size, &set.read_labels(folder, &record.id)?))
+    let image = |record: &ImageRecord| CocoImage::new(record.number, file_name(&record.id), size);
+    let of = |(planned, record): &(Planned, ImageRecord)| -> Result<Vec<Annotation>> {
+        let labels = set.read_labels(&label_path(folder, &record.id))?;
+        let [_, instances, _] = view_paths(&set.recipe.view_of(planned));
+        Ok(image(record).annotations(&labels, &set.read_labels(&instances)?))
     };
-    let annotations = records.par_iter().map(of).collect::<Result<Vec<_>>>()?.concat();
-    coco::write(&format!("RoboFin, labels by {folder}, {}", split.name()), size, &records, &annotations)
+    let annotations = pairs.par_iter().map(of).collect::<Result<Vec<_>>>()?.concat();
+    let images: Vec<CocoImage> = pairs.iter().map(|(_, record)| image(record)).collect();
+    let heading = Heading {
+        description: &format!("RoboFin, labels by {folder}"),
+        version: &set.recipe.version,
+        licence: card::licence(&set.recipe),
+    };
+    Ok(coco::write(&heading, &images, &annotations)?)
 }
 
 impl ImageSet {
-    /// Reads the labels of an image, row by row from the top left.
+    /// Reads index or instance labels at a path relative to the set, row by row from the top left.
     ///
     /// # Errors
     /// If the file is missing, does not have one channel, or has another size.
-    pub fn read_labels(&self, folder: &str, id: &str) -> Result<Vec<u8>> {
-        let path = self.folder().join(file_path(folder, id));
+    pub fn read_labels(&self, path: &str) -> Result<Vec<u8>> {
+        let path = self.folder().join(path);
         let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?;
         let (width, height) = self.recipe.size;
         let found = (image.width() as usize, image.height() as usize);

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result};
 
-use super::make::Task;
+use super::catalogue::SPLIT_FILES;
+use super::make::{STEPS, Task};
 use super::plan::{Planned, Treatment};
-use super::record::ImageRecord;
+use super::record::{ImageRecord, label_path};
 use super::sanding::stage_file;
 use super::{APPEARANCE_FOLDER, DOSE_FOLDER, FIELDS_FOLDER, ImageSet, RECORDS_FOLDER};
 use crate::asset::FileRecord;
@@ -33,8 +34,10 @@ pub(super) fn contradictions(set: &ImageSet) -> Result<Vec<String>> {
 }
 
 /// Returns the items that the set needs: images listed in its metadata or with a record, and their prerequisites.
-pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; 3]> {
-    let text = input::read(&set.folder().join(super::catalogue::METADATA_FILE), MOST_TEXT_BYTES).unwrap_or_default();
+pub fn expected(set: &ImageSet) -> Result<[Vec<Task>; STEPS]> {
+    let lines_of =
+        |[metadata, ..]: [&str; 3]| input::read(&set.folder().join(metadata), MOST_TEXT_BYTES).unwrap_or_default();
+    let text = SPLIT_FILES.map(lines_of).concat();
     let listed = text.split(|&byte| byte == b'\n').filter_map(|line| {
         let value: serde_json::Value = serde_json::from_slice(line).ok()?;
         Some(value.get("id")?.as_str()?.to_owned())
@@ -51,6 +54,7 @@ fn check_task(set: &ImageSet, task: &Task) -> (usize, Vec<String>) {
     let checked = match task {
         Task::Workpiece(coated) => checks.workpiece(set, &coated.name),
         Task::Sanding(sanding) => checks.sanding(set, &sanding.id, &set.recipe.workpieces[sanding.workpiece].name),
+        Task::View(view) => checks.view(set, &view.id),
         Task::Image(image) => checks.image(set, image),
     };
     if let Err(error) = checked {
@@ -92,6 +96,12 @@ impl Checks {
         Ok(())
     }
 
+    fn view(&mut self, set: &ImageSet, id: &str) -> Result<()> {
+        let faults = set.check_view(id)?;
+        self.that(faults.is_empty(), || faults.join("; "));
+        Ok(())
+    }
+
     fn file(&mut self, set: &ImageSet, name: &str, expected: &FileRecord) -> Result<()> {
         let found = FileRecord::of(&set.folder().join(name))?;
         self.that(found == *expected, || format!("{name}: its content is not the one recorded"));
@@ -104,7 +114,7 @@ impl Checks {
         for (name, expected) in &record.files {
             self.file(set, name, expected)?;
         }
-        let labels = [APPEARANCE_FOLDER, DOSE_FOLDER].map(|folder| set.read_labels(folder, &planned.id));
+        let labels = [APPEARANCE_FOLDER, DOSE_FOLDER].map(|folder| set.read_labels(&label_path(folder, &planned.id)));
         let [appearance, dose] = labels;
         self.labels(&record, &appearance?, &dose?);
         let dose_file = set.recipe.sanding_of(planned).zip(match planned.treatment {
@@ -180,7 +190,8 @@ fn courses(set: &ImageSet) -> Result<Vec<String>> {
 pub fn remove_broken(set: &ImageSet, broken: &[Broken]) -> Result<()> {
     for Broken { id, .. } in broken {
         match Task::named(&set.recipe, id) {
-            Some(Task::Image(_)) => set.remove_image(id)?,
+            Some(Task::Image(image)) => set.remove_image(&image)?,
+            Some(Task::View(_)) => set.remove_view(id)?,
             Some(Task::Sanding(_)) => remove(&set.sanding_folder(id))?,
             Some(Task::Workpiece(_)) => remove(&set.workpiece_path(id))?,
             None => {}

@@ -5,8 +5,8 @@ use image::imageops::{FilterType, resize};
 use render::{Panel, Picture, contact_sheet};
 
 use super::plan::Treatment;
-use super::record::{ImageRecord, file_path};
-use super::{APPEARANCE_FOLDER, IMAGES_FOLDER, ImageSet};
+use super::record::{ImageRecord, image_path, label_path};
+use super::{APPEARANCE_FOLDER, ImageSet};
 use crate::picture::{stacked, to_png};
 use crate::store::number_from;
 use render::label::{SANDED, UNSANDED};
@@ -64,7 +64,7 @@ fn strip(title: &str, records: &[&ImageRecord], draw: impl Fn(&ImageRecord) -> R
 }
 
 fn picture(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
-    let path = set.folder().join(file_path(IMAGES_FOLDER, &record.id));
+    let path = set.folder().join(image_path(record.split, &record.id));
     let image = image::open(&path).with_context(|| format!("{}: not a picture", path.display()))?.into_rgb8();
     let height = (image.height() * WIDTH).div_ceil(image.width().max(1)).max(1);
     let small = resize(&image, WIDTH, height, FilterType::Triangle);
@@ -74,7 +74,7 @@ fn picture(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
 /// Draws the image in grey, tinted with the colours of its labels.
 fn labelled(set: &ImageSet, record: &ImageRecord) -> Result<Picture> {
     let mut picture = picture(set, record)?;
-    let labels = set.read_labels(APPEARANCE_FOLDER, &record.id)?;
+    let labels = set.read_labels(&label_path(APPEARANCE_FOLDER, &record.id))?;
     let (width, height) = set.recipe.size;
     for (pixel, rgb) in picture.rgb.chunks_exact_mut(3).enumerate() {
         let (x, y) = (pixel % picture.width, pixel / picture.width);

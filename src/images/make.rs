@@ -1,14 +1,13 @@
-//! Makes one item of a set, a workpiece, a simulation or an image; runs in a process of its own.
+//! Makes one item of a set, a workpiece, a simulation, a view or an image; runs in a process of its own.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Result, anyhow, bail};
+use perception::{Scene, shoot};
 
-use super::plan::{Planned, PlannedSanding, Treatment};
-use super::scene::Scene;
-use super::shot::shoot;
+use super::plan::{Planned, PlannedSanding, PlannedView, Treatment};
 use super::workpiece::Coated;
 use super::{ImageRecipe, ImageSet};
 use crate::store::limits::Limits;
@@ -20,6 +19,9 @@ use files::file_lock::LockWait;
 /// Verb of the process that does one task.
 pub const TASK_VERB: &str = "dataset-image";
 
+/// Number of steps in which a set is made.
+pub const STEPS: usize = 4;
+
 /// An item to make.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Task {
@@ -27,22 +29,26 @@ pub enum Task {
     Workpiece(Coated),
     /// Doses of a sanding path.
     Sanding(PlannedSanding),
+    /// What the images of a placement share.
+    View(PlannedView),
     /// Image with its labels.
     Image(Planned),
 }
 
 impl Task {
-    /// Returns all tasks of a set in three steps, each of which needs the ones before: workpieces, simulations, images.
-    pub fn all(recipe: &ImageRecipe) -> [Vec<Self>; 3] {
+    /// Returns all tasks of a set in steps, each of which needs the ones before: workpieces, simulations, views,
+    /// images.
+    pub fn all(recipe: &ImageRecipe) -> [Vec<Self>; STEPS] {
         [
             recipe.workpieces.iter().cloned().map(Self::Workpiece).collect(),
             recipe.sandings().into_iter().map(Self::Sanding).collect(),
+            recipe.views().into_iter().map(Self::View).collect(),
             recipe.images().into_iter().map(Self::Image).collect(),
         ]
     }
 
     /// Returns the tasks of these names, and their prerequisites.
-    pub fn chosen(recipe: &ImageRecipe, ids: &BTreeSet<String>) -> [Vec<Self>; 3] {
+    pub fn chosen(recipe: &ImageRecipe, ids: &BTreeSet<String>) -> [Vec<Self>; STEPS] {
         let mut steps = Self::all(recipe);
         let mut wanted = ids.clone();
         for tasks in steps.iter_mut().rev() {
@@ -62,15 +68,20 @@ impl Task {
         match self {
             Self::Workpiece(coated) => &coated.name,
             Self::Sanding(sanding) => &recipe.workpieces[sanding.workpiece].name,
+            Self::View(view) => &recipe.workpieces[view.workpiece].name,
             Self::Image(image) => &recipe.workpieces[image.workpiece].name,
         }
     }
 
     /// Returns the names of its prerequisites.
     pub fn needs(&self, recipe: &ImageRecipe) -> Vec<String> {
-        let sanding = if let Self::Image(image) = self { recipe.sanding_of(image) } else { None };
         let workpiece = (!matches!(self, Self::Workpiece(_))).then(|| self.workpiece(recipe).to_owned());
-        workpiece.into_iter().chain(sanding).collect()
+        let of_image = if let Self::Image(image) = self {
+            [recipe.sanding_of(image), Some(recipe.view_of(image))]
+        } else {
+            [None, None]
+        };
+        workpiece.into_iter().chain(of_image.into_iter().flatten()).collect()
     }
 
     /// Returns the stage at which this task fails, if it does.
@@ -78,7 +89,7 @@ impl Task {
         match self {
             Self::Workpiece(_) => Stage::Part,
             Self::Sanding(_) => Stage::Sand,
-            Self::Image(_) => Stage::Render,
+            Self::View(_) | Self::Image(_) => Stage::Render,
         }
     }
 }
@@ -88,6 +99,7 @@ impl SetItem<ImageRecipe> for Task {
         match self {
             Self::Workpiece(coated) => &coated.name,
             Self::Sanding(sanding) => &sanding.id,
+            Self::View(view) => &view.id,
             Self::Image(image) => &image.id,
         }
     }
@@ -100,6 +112,7 @@ impl SetItem<ImageRecipe> for Task {
         match self {
             Self::Workpiece(coated) => set.holds_workpiece(&coated.name),
             Self::Sanding(sanding) => set.holds_sanding(&sanding.id),
+            Self::View(view) => set.holds_view(&view.id),
             Self::Image(image) => set.holds_image(image),
         }
     }
@@ -123,7 +136,10 @@ impl SetItem<ImageRecipe> for Task {
         Failure {
             id: self.id().to_owned(),
             source: self.workpiece(&set.recipe).to_owned(),
-            index: if let Self::Image(image) = self { image.placement } else { 0 },
+            index: match self {
+                Self::View(PlannedView { placement, .. }) | Self::Image(Planned { placement, .. }) => *placement,
+                Self::Workpiece(_) | Self::Sanding(_) => 0,
+            },
             stage,
             reason,
             command: command_line(words.iter().chain(&set.recipe.flags()).chain(&more)),
@@ -139,6 +155,7 @@ pub fn make(set: &ImageSet, id: &str) -> Ending {
     let make = || match &task {
         Task::Workpiece(coated) => set.make_workpiece(coated),
         Task::Sanding(sanding) => set.make_sanding(sanding),
+        Task::View(view) => set.make_view(view),
         Task::Image(image) => make_image(set, image),
     };
     let there = || task.is_there(set).then_some(());
@@ -159,7 +176,7 @@ fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {
             sources.insert("dose".to_owned(), set.attach_dose(&mut part, &sanding, stage)?);
         }
     }
-    let mut scene = Scene::draw(&part, recipe, planned)?;
+    let mut scene = Scene::draw(&part, &recipe.seeds(planned), recipe.size, &recipe.looks)?;
     let shot = shoot(&part, &scene, recipe.size);
     scene.sensor.exposure = shot.exposure;
     set.write_image(planned, &shot, scene, sources)

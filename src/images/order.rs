@@ -5,7 +5,7 @@
 //! the count of each treatment, stage, workpiece, placement and split in the first N images is within one of N times
 //! its share in the whole set, and N images are among the first N + 1.
 
-use super::plan::{Planned, Split};
+use super::plan::{Planned, Split, SplitBy};
 use super::recipe::ImageRecipe;
 
 /// Yields every pair of one of `first` and one of `second` once; in any prefix the counts of either side differ by at
@@ -49,13 +49,21 @@ impl ImageRecipe {
 
     /// Returns workpiece and placement of every view.
     fn view_order(&self) -> Vec<(usize, usize)> {
-        let placements = spread(&self.splits());
-        let views = pairs(placements.len(), self.workpieces.len());
-        views.map(|(rank, workpiece)| (workpiece, placements[rank])).collect()
+        let spread = spread(&self.splits());
+        match self.split_by {
+            SplitBy::Placement => {
+                let views = pairs(spread.len(), self.workpieces.len());
+                views.map(|(rank, workpiece)| (workpiece, spread[rank])).collect()
+            }
+            SplitBy::Workpiece => {
+                let views = pairs(spread.len(), self.placements as usize);
+                views.map(|(rank, placement)| (spread[rank], placement)).collect()
+            }
+        }
     }
 }
 
-/// Orders placements such that the splits alternate: the i-th of n in a split has the relative position (i + ½) / n.
+/// Orders placements or workpieces such that the splits alternate: the i-th of n in a split has the relative position (i + ½) / n.
 fn spread(splits: &[Split]) -> Vec<usize> {
     let count = |split: Split| splits.iter().filter(|&&other| other == split).count();
     let mut taken = [0; Split::ALL.len()];

@@ -1,9 +1,11 @@
 //! Images of a set: names, seeds, splits.
 
 use paths::Pattern;
+use perception::Seeds;
 use serde::{Deserialize, Serialize};
 
 use super::recipe::ImageRecipe;
+use super::workpiece::Coated;
 use crate::store::number_from;
 
 /// State of the coating in an image.
@@ -35,6 +37,27 @@ pub enum Split {
     Test,
 }
 
+/// What no two splits share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SplitBy {
+    /// Workpieces: a test shows shapes that training never saw.
+    Workpiece,
+    /// Placements, as in the paper: a test shows known workpieces in other poses.
+    Placement,
+}
+
+/// A placement of a workpiece, seen by one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedView {
+    /// Name, for example `bracket-p03`.
+    pub id: String,
+    /// Index of the workpiece in the recipe.
+    pub workpiece: usize,
+    /// Index of the placement, from 0.
+    pub placement: u32,
+}
+
 /// An image to make.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
@@ -48,7 +71,7 @@ pub struct Planned {
     pub placement: u32,
     /// State of the coating.
     pub treatment: Treatment,
-    /// Split, which follows from the placement.
+    /// Split, which follows from the workpiece or from the placement.
     pub split: Split,
 }
 
@@ -77,27 +100,65 @@ impl Split {
     }
 }
 
+impl SplitBy {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Workpiece, Self::Placement];
+
+    /// Returns the name in flags and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Workpiece => "workpiece",
+            Self::Placement => "placement",
+        }
+    }
+
+    /// Returns a short description for the help.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Workpiece => "tests show workpieces that training never saw",
+            Self::Placement => "tests show the same workpieces in other poses",
+        }
+    }
+}
+
 impl ImageRecipe {
     /// Returns all images of the set: by workpiece, then by placement, each from unsanded to bare.
     pub fn images(&self) -> Vec<Planned> {
-        let splits = self.splits();
         let treatments = self.treatments();
         let mut images = Vec::new();
         for (workpiece, coated) in self.workpieces.iter().enumerate() {
             for placement in 0..self.placements {
                 for &treatment in &treatments {
                     images.push(Planned {
-                        id: format!("{}-p{placement:02}-{}", coated.name, treatment.name()),
+                        id: format!("{}-{}", view_id(&coated.name, placement), treatment.name()),
                         number: images.len() as u64 + 1,
                         workpiece,
                         placement,
                         treatment,
-                        split: splits[placement as usize],
+                        split: self.split(workpiece, placement as usize),
                     });
                 }
             }
         }
         images
+    }
+
+    /// Returns all views: by workpiece, then by placement.
+    pub fn views(&self) -> Vec<PlannedView> {
+        let of = |(workpiece, coated): (usize, &Coated)| {
+            let name = coated.name.clone();
+            (0..self.placements).map(move |placement| PlannedView {
+                id: view_id(&name, placement),
+                workpiece,
+                placement,
+            })
+        };
+        self.workpieces.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Returns the name of the view of an image.
+    pub fn view_of(&self, planned: &Planned) -> String {
+        view_id(&self.workpieces[planned.workpiece].name, planned.placement)
     }
 
     /// Returns all simulations that the images need.
@@ -127,30 +188,52 @@ impl ImageRecipe {
         std::iter::once(Treatment::Unsanded).chain(stages).chain([Treatment::Bare]).collect()
     }
 
-    /// Returns the split of each placement, the same for all workpieces: a sixth of the placements is for validation
-    /// and a sixth for tests, with at least one each if there are three placements; the seed selects them.
+    /// Returns the split of a placement of a workpiece.
+    fn split(&self, workpiece: usize, placement: usize) -> Split {
+        self.splits()[match self.split_by {
+            SplitBy::Workpiece => workpiece,
+            SplitBy::Placement => placement,
+        }]
+    }
+
+    /// Returns the split of each workpiece, or of each placement of all workpieces: a sixth is for validation and a
+    /// sixth for tests, with at least one each if there are three; the seed selects them.
     pub fn splits(&self) -> Vec<Split> {
-        let count = self.placements as usize;
+        let count = match self.split_by {
+            SplitBy::Workpiece => self.workpieces.len(),
+            SplitBy::Placement => self.placements as usize,
+        };
         let held_out = if count < 3 { 0 } else { (count / 6).max(1) };
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by_key(|placement| number_from(&format!("split {} {placement}", self.seed)));
+        order.sort_by_key(|item| number_from(&format!("split {} {item}", self.seed)));
         let mut splits = vec![Split::Train; count];
-        for (rank, placement) in order.into_iter().take(2 * held_out).enumerate() {
-            splits[placement] = if rank < held_out { Split::Validation } else { Split::Test };
+        for (rank, item) in order.into_iter().take(2 * held_out).enumerate() {
+            splits[item] = if rank < held_out { Split::Validation } else { Split::Test };
         }
         splits
     }
 
-    /// Returns the seed shared by all images of a placement.
-    pub fn placement_seed(&self, planned: &Planned) -> u64 {
-        let name = &self.workpieces[planned.workpiece].name;
-        number_from(&format!("placement {} {name} {}", self.seed, planned.placement))
+    /// Returns the seeds of one image.
+    pub fn seeds(&self, planned: &Planned) -> Seeds {
+        let image = number_from(&format!("image {} {}", self.seed, planned.id));
+        Seeds { placement: self.placement_seed(planned.workpiece, planned.placement), image }
     }
 
-    /// Returns the seed of one image.
-    pub fn image_seed(&self, planned: &Planned) -> u64 {
-        number_from(&format!("image {} {}", self.seed, planned.id))
+    /// Returns the seeds of a view, whose light matters for its float buffers alone.
+    pub fn view_seeds(&self, planned: &PlannedView) -> Seeds {
+        let placement = self.placement_seed(planned.workpiece, planned.placement);
+        Seeds { placement, image: placement }
     }
+
+    fn placement_seed(&self, workpiece: usize, placement: u32) -> u64 {
+        let name = &self.workpieces[workpiece].name;
+        number_from(&format!("placement {} {name} {placement}", self.seed))
+    }
+}
+
+/// Returns the name of a view.
+fn view_id(workpiece: &str, placement: u32) -> String {
+    format!("{workpiece}-p{placement:02}")
 }
 
 impl Treatment {
@@ -165,14 +248,16 @@ impl Treatment {
 
 #[cfg(test)]
 pub(crate) mod fixture {
-    use super::{ImageRecipe, Pattern};
+    use perception::Shape;
+
+    use super::{ImageRecipe, Pattern, SplitBy};
     use crate::images::workpiece::{Coated, Origin};
 
     /// Makes a recipe with these numbers of workpieces, placements, patterns and stages.
     pub(crate) fn recipe_of(workpieces: usize, placements: u32, (patterns, stages): (usize, u32)) -> ImageRecipe {
         let coated = |number: usize| {
             let name = format!("workpiece{number}");
-            Coated { key: name.clone(), name, origin: Origin::Panel, voxel_mm: 0.5 }
+            Coated { key: name.clone(), name, origin: Origin::Shape { shape: Shape::Panel }, voxel_mm: 0.5 }
         };
         ImageRecipe {
             format: String::new(),
@@ -184,6 +269,8 @@ pub(crate) mod fixture {
             stages,
             size: (640, 480),
             voxel_mm: 0.5,
+            split_by: SplitBy::Placement,
+            looks: Vec::new(),
         }
     }
 }
@@ -213,6 +300,18 @@ mod tests {
         };
         assert!((0..12).all(|placement| splits(placement).len() == 1));
         assert_eq!(recipe.sandings().len(), 12);
+    }
+
+    #[test]
+    fn the_default_set_of_six_workpieces_is_split_4_1_1_and_no_workpiece_is_in_two_splits() {
+        let recipe = ImageRecipe { split_by: SplitBy::Workpiece, ..fixture::recipe_of(6, 4, (6, 5)) };
+        let images = recipe.images();
+        let count = |split: Split| images.iter().filter(|image| image.split == split).count();
+        assert_eq!(Split::ALL.map(count), [512, 128, 128]);
+        let pairs: BTreeSet<(usize, Split)> = images.iter().map(|image| (image.workpiece, image.split)).collect();
+        assert_eq!(pairs.len(), 6);
+        assert_eq!(recipe.views().len(), 24);
+        assert!(images.iter().all(|image| image.id.starts_with(&recipe.view_of(image))));
     }
 
     #[test]

@@ -1,15 +1,20 @@
 //! Recipe of a set of images.
 
 use paths::Pattern;
+use perception::Look;
 use serde::{Deserialize, Serialize};
 
 use super::FOLDERS;
+use super::plan::SplitBy;
 use super::workpiece::Coated;
 use crate::dataset::MARKER_FILE;
 use crate::store::Marker;
 
 /// Value of the `format` key.
-pub const IMAGES_FORMAT: &str = "robofin-images/1";
+pub const IMAGES_FORMAT: &str = "robofin-images/2";
+
+/// Word of `--looks` for none.
+pub const NO_LOOKS: &str = "none";
 
 /// Marker of a set of images: all inputs that define its images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +37,10 @@ pub struct ImageRecipe {
     pub size: (usize, usize),
     /// Distance between voxels of the workpieces other than assets [mm].
     pub voxel_mm: f64,
+    /// What no two splits share.
+    pub split_by: SplitBy,
+    /// Looks of the photographs, in their order.
+    pub looks: Vec<Look>,
 }
 
 impl ImageRecipe {
@@ -46,7 +55,17 @@ impl ImageRecipe {
             format!("--stages={}", self.stages),
             format!("--size={}x{}", self.size.0, self.size.1),
             format!("--voxel-mm={}", self.voxel_mm),
+            format!("--split-by={}", self.split_by.name()),
+            format!("--looks={}", self.looks_word()),
         ]
+    }
+}
+
+impl ImageRecipe {
+    /// Returns the looks as `--looks` takes them.
+    fn looks_word(&self) -> String {
+        let names: Vec<&str> = self.looks.iter().map(|look| look.name()).collect();
+        if names.is_empty() { NO_LOOKS.to_owned() } else { names.join(",") }
     }
 }
 
@@ -70,6 +89,8 @@ impl Marker for ImageRecipe {
             ("the patterns", format!("{:?}", self.patterns), format!("{:?}", asked.patterns)),
             ("stages", self.stages.to_string(), asked.stages.to_string()),
             ("the size", format!("{:?}", self.size), format!("{:?}", asked.size)),
+            ("the split", self.split_by.name().to_owned(), asked.split_by.name().to_owned()),
+            ("the looks", self.looks_word(), asked.looks_word()),
         ];
         let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
         Some(format!("{name}: {now} there, and {then} now"))

@@ -6,12 +6,11 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
+use perception::{Scene, Shot, yolo};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Planned, Split, Treatment};
-use super::scene::Scene;
-use super::shot::Shot;
-use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageSet, RECORDS_FOLDER, YOLO_FOLDER};
 use crate::asset::FileRecord;
 use crate::picture::to_png;
 use crate::store::remove;
@@ -19,14 +18,14 @@ use files::folder::write_file;
 use files::json_file::read_json;
 use render::label::{agreement, counts};
 
-/// Line of `metadata.jsonl`, and a file of its own until all images are made.
+/// `records/ID.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageRecord {
     /// Name.
     pub id: String,
     /// Number in the whole set, from 1.
     pub number: u64,
-    /// Split, which follows from the placement.
+    /// Split.
     pub split: Split,
     /// Name of the workpiece.
     pub workpiece: String,
@@ -42,7 +41,7 @@ pub struct ImageRecord {
     pub appearance_pixels: [u64; 4],
     /// The same numbers by dose.
     pub dose_pixels: [u64; 4],
-    /// Workpiece, camera, light, material, sensor.
+    /// Placement, camera, light, material, sensor, looks.
     pub scene: Scene,
     /// SHA-256 of the workpiece's field and of the dose.
     pub sources: BTreeMap<String, String>,
@@ -50,12 +49,29 @@ pub struct ImageRecord {
     pub files: BTreeMap<String, FileRecord>,
 }
 
-/// Folders of the three files.
-const FILE_FOLDERS: [&str; 3] = [IMAGES_FOLDER, APPEARANCE_FOLDER, DOSE_FOLDER];
+/// Path of an image relative to the folder of its split.
+pub fn file_name(id: &str) -> String {
+    format!("{IMAGES_FOLDER}/{id}.png")
+}
 
-/// Returns the path of an image's file in a folder, relative to the set.
-pub fn file_path(folder: &str, id: &str) -> String {
+/// Path of an image relative to the set.
+pub fn image_path(split: Split, id: &str) -> String {
+    format!("{}/{}", split.name(), file_name(id))
+}
+
+/// Path of the index labels of an image relative to the set.
+pub fn label_path(folder: &str, id: &str) -> String {
     format!("{folder}/{id}.png")
+}
+
+/// Paths of the files of an image relative to the set: image, labels by appearance and by dose, polygons.
+fn paths(split: Split, id: &str) -> [String; 4] {
+    [
+        image_path(split, id),
+        label_path(APPEARANCE_FOLDER, id),
+        label_path(DOSE_FOLDER, id),
+        format!("{}/{YOLO_FOLDER}/{id}.txt", split.name()),
+    ]
 }
 
 /// Encodes labels as PNG with one channel of eight bits.
@@ -109,10 +125,14 @@ impl ImageSet {
         sources: BTreeMap<String, String>,
     ) -> Result<()> {
         let size = self.recipe.size;
-        let contents = [to_png(&shot.image)?, label_png(size, &shot.appearance)?, label_png(size, &shot.dose)?];
+        let contents = [
+            to_png(&shot.image)?,
+            label_png(size, &shot.appearance)?,
+            label_png(size, &shot.dose)?,
+            yolo::regions(&shot.appearance, size).into_bytes(),
+        ];
         let mut files = BTreeMap::new();
-        for (folder, bytes) in FILE_FOLDERS.iter().zip(&contents) {
-            let name = file_path(folder, &planned.id);
+        for (name, bytes) in paths(planned.split, &planned.id).into_iter().zip(&contents) {
             write_file(&self.folder().join(&name), bytes)?;
             files.insert(name, FileRecord::of_bytes(bytes));
         }
@@ -139,14 +159,14 @@ impl ImageSet {
     ///
     /// # Errors
     /// If the file system refuses.
-    pub fn remove_image(&self, id: &str) -> Result<()> {
-        let files = FILE_FOLDERS.iter().map(|folder| self.folder().join(file_path(folder, id)));
-        std::iter::once(self.record_path(id)).chain(files).try_for_each(|path| remove(&path))
+    pub fn remove_image(&self, planned: &Planned) -> Result<()> {
+        let files = paths(planned.split, &planned.id).map(|path| self.folder().join(path));
+        std::iter::once(self.record_path(&planned.id)).chain(files).try_for_each(|path| remove(&path))
     }
 }
 
 impl ImageRecord {
-    /// Checks that this is the record of a planned image with its three files.
+    /// Checks that this is the record of a planned image with its files.
     ///
     /// # Errors
     /// The difference, in words.
@@ -158,9 +178,9 @@ impl ImageRecord {
             && self.placement == planned.placement
             && self.treatment == planned.treatment;
         ensure!(same, "its record is not that of {}", planned.id);
-        let named = FILE_FOLDERS.map(|folder| file_path(folder, &planned.id));
+        let named = paths(planned.split, &planned.id);
         let missing = named.iter().find(|name| !self.files.contains_key(*name));
-        ensure!(missing.is_none() && self.files.len() == named.len(), "its record names other files than its three");
+        ensure!(missing.is_none() && self.files.len() == named.len(), "its record names other files than its own");
         Ok(())
     }
 }

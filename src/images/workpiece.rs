@@ -1,10 +1,10 @@
-//! Coated workpieces: the bundled bracket with a weld, a curved panel, and assets.
+//! Coated workpieces: the bundled bracket with a weld, the shapes of [`perception`], and assets.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use files::input::{self, MOST_MESH_BYTES, MOST_TEXT_BYTES};
-use glam::{DVec2, DVec3};
+use perception::Shape;
 use sdf_bake::nvdb::{self, Codec};
 use sdf_bake::{BrickGrid, SignChoice};
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,8 @@ use crate::workpiece::{DEFAULT_BAND, Fineness, WeldSettings, WeldingOptions, wel
 use crate::wrong_use;
 use files::folder::write_file;
 
+/// Name of the bundled part with a weld.
+const BRACKET: &str = "bracket";
 /// Number of characters of an asset's hash in its name.
 const KEY_LETTERS: usize = 8;
 
@@ -26,8 +28,11 @@ const KEY_LETTERS: usize = 8;
 pub enum Origin {
     /// The bundled part, with a weld placed by the set's seed.
     Bracket,
-    /// A domed sheet with a groove and a hole.
-    Panel,
+    /// A bundled shape.
+    Shape {
+        /// Shape.
+        shape: Shape,
+    },
     /// A folder made by `robofin weld`.
     Asset {
         /// Path as given.
@@ -49,7 +54,7 @@ pub struct Coated {
 }
 
 impl Coated {
-    /// Finds a workpiece by its name: `bracket`, `panel` or an asset folder; `voxel_mm` applies to those without a
+    /// Finds a workpiece by its name, one of [`Coated::bundled`] or an asset folder; `voxel_mm` applies to those without a
     /// field.
     ///
     /// # Errors
@@ -61,20 +66,28 @@ impl Coated {
             origin,
             voxel_mm,
         };
-        match word {
-            "bracket" => Ok(own(Origin::Bracket)),
-            "panel" => Ok(own(Origin::Panel)),
-            folder if Path::new(folder).join(MANIFEST_FILE).is_file() => Self::of_asset(folder),
-            other => Err(wrong_use(format!(
-                "--workpieces {other}: bracket, panel, or an asset folder with {MANIFEST_FILE} is accepted"
-            ))),
+        if word == BRACKET {
+            return Ok(own(Origin::Bracket));
         }
+        if let Some(shape) = Shape::ALL.into_iter().find(|shape| shape.name() == word) {
+            return Ok(own(Origin::Shape { shape }));
+        }
+        if Path::new(word).join(MANIFEST_FILE).is_file() {
+            return Self::of_asset(word);
+        }
+        let known = Self::bundled().join(", ");
+        Err(wrong_use(format!("--workpieces {word}: {known}, or an asset folder with {MANIFEST_FILE} is accepted")))
+    }
+
+    /// Returns the names of the bundled workpieces.
+    pub fn bundled() -> Vec<&'static str> {
+        std::iter::once(BRACKET).chain(Shape::ALL.map(Shape::name)).collect()
     }
 
     /// Returns the word that names it in a flag.
     pub fn word(&self) -> String {
         match &self.origin {
-            Origin::Bracket | Origin::Panel => self.name.clone(),
+            Origin::Bracket | Origin::Shape { .. } => self.name.clone(),
             Origin::Asset { folder } => folder.clone(),
         }
     }
@@ -105,7 +118,7 @@ impl Coated {
                 };
                 Ok(weld_part(Part::bundled()?, &options, &Console::silent())?.welded)
             }
-            Origin::Panel => Ok(panel(1e-3 * self.voxel_mm)),
+            Origin::Shape { shape } => Ok(shape.field(1e-3 * self.voxel_mm)),
             Origin::Asset { folder } => {
                 let key = manifest_key(folder)?;
                 ensure!(key == self.key, "{folder}: not the asset that the set was started with");
@@ -118,34 +131,6 @@ impl Coated {
 fn manifest_key(folder: &str) -> Result<String> {
     let path = Path::new(folder).join(MANIFEST_FILE);
     Ok(sha256(&input::read(&path, MOST_TEXT_BYTES)?))
-}
-
-/// Half length and half width of the panel [m].
-const PANEL_HALF: DVec2 = DVec2::new(0.075, 0.055);
-/// Radius of its corners [m].
-const PANEL_CORNER: f64 = 0.018;
-/// Radius of its dome [m].
-const DOME: f64 = 0.45;
-/// Height of its top [m].
-const PANEL_TOP: f64 = 0.02;
-const PANEL_THICKNESS: f64 = 5e-3;
-/// Centre and radius of its hole [m].
-const HOLE: (DVec2, f64) = (DVec2::new(0.054, 0.034), 8e-3);
-/// Distance of the groove from the longitudinal centre line, and its radius [m].
-const GROOVE: (f64, f64) = (-0.042, 2.5e-3);
-
-/// Makes the field of a domed sheet with rounded corners, a hole and a groove along one side.
-fn panel(voxel: f64) -> BrickGrid {
-    let distance = |p: DVec3| {
-        let above = p.distance(DVec3::Z * (PANEL_TOP - DOME)) - DOME;
-        let beside = p.truncate().abs() - PANEL_HALF + PANEL_CORNER;
-        let outline = beside.max(DVec2::ZERO).length() + beside.max_element().min(0.0) - PANEL_CORNER;
-        let hole = HOLE.1 - p.truncate().distance(HOLE.0);
-        let groove = GROOVE.1 - (p.y - GROOVE.0).hypot(above);
-        above.max(-above - PANEL_THICKNESS).max(outline).max(hole).max(groove)
-    };
-    let low = (-PANEL_HALF).extend(0.0);
-    BrickGrid::from_distance(low, PANEL_HALF.extend(PANEL_TOP), voxel, DEFAULT_BAND, distance)
 }
 
 impl ImageSet {
@@ -185,22 +170,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_panel_is_a_whole_body_of_its_size() {
-        let field = panel(1e-3);
-        field.sanity_check().unwrap();
-        let (low, high) = field.surface_bounds().unwrap();
-        assert!((high - DVec3::new(0.075, 0.055, PANEL_TOP)).abs().max_element() < 1.2e-3, "{high}");
-        assert!(low.z > 0.0 && low.z < 0.01, "{low}");
-        let flat = 4.0 * PANEL_HALF.x * PANEL_HALF.y - (4.0 - std::f64::consts::PI) * PANEL_CORNER * PANEL_CORNER;
-        let holes = std::f64::consts::PI * (HOLE.1 * HOLE.1 * PANEL_THICKNESS + 0.5 * GROOVE.1 * GROOVE.1 * 0.15);
-        let volume = flat * PANEL_THICKNESS - holes;
-        // The dome's area is slightly larger than its projection.
-        assert!((field.volume() / volume - 1.0).abs() < 0.02, "{} and {volume}", field.volume());
-    }
-
-    #[test]
     fn an_unknown_workpiece_is_refused_with_what_there_is() {
         let error = Coated::named("spaceship", 0.6).unwrap_err();
-        assert!(crate::is_wrong_use(&error) && error.to_string().contains("bracket, panel"), "{error}");
+        assert!(crate::is_wrong_use(&error) && error.to_string().contains("bracket, panel, tee"), "{error}");
     }
 }

@@ -26,7 +26,8 @@ fn images(out: &Path) -> Command {
 
 /// Returns the same command with another seed and voxel [mm].
 fn images_of(out: &Path, [seed, voxel]: [&str; 2]) -> Command {
-    let mut command = robofin(["dataset", "images", "--workpieces", "panel", "--placements", "3"]);
+    let mut command =
+        robofin(["dataset", "images", "--workpieces", "panel", "--placements", "3", "--split-by", "placement"]);
     command.args(["--patterns", "spiral,spots", "--stages", "2", "--size", "64x48"]);
     command.args(["--seed", seed, "--voxel-mm", voxel]).arg("--out").arg(out);
     command
@@ -54,6 +55,17 @@ fn copy_of_set(place: &Path) -> PathBuf {
     out
 }
 
+/// Returns the lines of all splits.
+fn rows_of(set: &Path) -> Vec<Value> {
+    let files = ["train", "validation", "test"].map(|split| set.join(split).join("metadata.jsonl"));
+    files.iter().filter(|file| file.exists()).flat_map(|file| lines(file)).collect()
+}
+
+/// Returns the number of images of all splits.
+fn image_count(set: &Path) -> usize {
+    ["train", "validation", "test"].map(|split| names(&set.join(split).join("images")).len()).into_iter().sum()
+}
+
 fn labels(set: &Path, folder: &str, id: &str) -> Vec<u8> {
     let image = image::open(set.join(folder).join(format!("{id}.png"))).expect("a picture");
     assert_eq!((image.width(), image.height()), (64, 48));
@@ -63,11 +75,14 @@ fn labels(set: &Path, folder: &str, id: &str) -> Vec<u8> {
 #[test]
 fn every_image_has_labels_of_known_classes_and_a_line_that_says_what_it_shows() {
     let set = undisturbed();
-    let rows = lines(&set.join("metadata.jsonl"));
+    let rows = rows_of(set);
     assert_eq!(rows.len(), IMAGES);
     for row in &rows {
         let id = row["id"].as_str().expect("a name");
-        let picture = image::open(set.join("images").join(format!("{id}.png"))).expect("a picture").into_rgb8();
+        let split = row["split"].as_str().expect("a split");
+        let picture = image::open(set.join(split).join(row["file_name"].as_str().expect("a path")))
+            .expect("a picture")
+            .into_rgb8();
         assert_eq!((picture.width(), picture.height()), (64, 48));
         for (folder, key) in [("appearance", "appearance_pixels"), ("dose", "dose_pixels")] {
             let labels = labels(set, folder, id);
@@ -93,7 +108,7 @@ fn every_image_has_labels_of_known_classes_and_a_line_that_says_what_it_shows() 
 
 #[test]
 fn sanding_goes_on_from_stage_to_stage_and_the_references_are_its_ends() {
-    let rows = lines(&undisturbed().join("metadata.jsonl"));
+    let rows = rows_of(undisturbed());
     let share = |placement: u64, name: &str| {
         let id = format!("panel-p{placement:02}-{name}");
         let row = rows.iter().find(|row| row["id"] == *id).expect("it is there");
@@ -114,7 +129,7 @@ fn neither_jobs_nor_limits_change_a_byte_and_a_killed_run_goes_on() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("images");
     run(images(&out).args(["--limit", "2", "--jobs", "1"])).succeeds();
-    assert_eq!(names(&out.join("images")).len(), 2);
+    assert_eq!(image_count(&out), 2);
     for delay in [40, 120, 250] {
         let mut command = images(&out);
         command.args(["--resume", "--jobs", "3"]).stdout(Stdio::null()).stderr(Stdio::null());
@@ -133,7 +148,7 @@ fn a_limited_set_has_both_references_and_a_larger_limit_goes_on_with_it() {
     let out = place.path().join("images");
     run(images(&out).args(["--limit", "6", "--jobs", "2"])).succeeds();
     let states = || {
-        let rows = lines(&out.join("metadata.jsonl"));
+        let rows = rows_of(&out);
         let state = |row: &Value| row["treatment"]["kind"].as_str().expect("a state").to_owned();
         let count = |kind: &str| rows.iter().filter(|row| state(row) == kind).count();
         ["unsanded", "stage", "bare"].map(count)
@@ -165,7 +180,7 @@ fn damage_is_found_and_only_what_is_broken_is_made_again() {
     assert_eq!(repaired.stderr.matches("      made  ").count(), 3, "{}", repaired.stderr);
     assert_same(&set, undisturbed());
 
-    let annotations = set.join("annotations/dose-train.json");
+    let annotations = set.join("train/dose.json");
     let text = fs::read_to_string(&annotations).expect("text");
     fs::write(&annotations, text.replacen("\"area\":", "\"area\":1", 1)).expect("written");
     run(robofin(["validate"]).arg(&set)).is_refused(1, &["1 faults in the catalogue"]);
@@ -197,7 +212,9 @@ fn nonsense_is_refused_with_what_would_be_accepted() {
         ("--stages", "100", "1 to 99"),
         ("--size", "64", "WIDTHxHEIGHT"),
         ("--voxel-mm", "0", "accepted"),
-        ("--workpieces", "spaceship", "bracket, panel"),
+        ("--workpieces", "spaceship", "bracket, panel, tee"),
+        ("--looks", "glitter", "texture, swirl"),
+        ("--split-by", "day", "placement"),
         ("--workpieces", "panel,panel", "twice"),
         ("--limit", "0", "1 or more"),
         ("--only", "panel-p99-bare", "no"),
@@ -219,10 +236,10 @@ fn a_dry_run_names_everything_and_makes_nothing() {
     let out = place.path().join("images");
     let told = run(images(&out).args(["--dry-run", "--json"])).succeeds();
     let ids: Vec<Value> = told.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    assert_eq!(ids.len(), 1 + 2 + IMAGES);
+    assert_eq!(ids.len(), 1 + 2 + 3 + IMAGES);
     assert!(ids.iter().all(|answer| answer["is_there"] == false) && !out.exists());
     let whole = run(robofin(["dataset", "images", "--dry-run", "--json", "--out"]).arg(&out)).succeeds();
-    assert_eq!(whole.stdout.lines().count(), 2 + 12 + 768);
+    assert_eq!(whole.stdout.lines().count(), 6 + 36 + 24 + 768);
 }
 
 #[test]
@@ -241,7 +258,7 @@ fn pycocotools_finds_the_masks_areas_and_boxes_of_the_labels() {
     let answer = python.run_script(Script::CheckCoco, [undisturbed()]).expect("pycocotools reads the files");
     assert_eq!(answer["faults"], serde_json::json!([]));
     let count = |key: &str| answer[key].as_u64().expect("a number") as usize;
-    assert_eq!((count("files"), count("images"), count("annotations")), (6, 2 * IMAGES, 4 * IMAGES));
-    // Both references of every placement have an empty mask of either kind.
-    assert!(count("empty") >= 2 * 2 * 3, "{answer}");
+    assert_eq!((count("files"), count("images")), (6, 2 * IMAGES));
+    // The workpiece in every image, both classes in the four stages of a placement and one in its references, no weld.
+    assert_eq!(count("annotations"), 2 * (IMAGES + 3 * (2 * 4 + 2)));
 }

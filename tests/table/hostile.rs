@@ -79,9 +79,9 @@ fn faults_of_the_manifest_are_refused_at_their_place() {
 fn bad_cells_cost_their_row_and_are_named() {
     for (cell, column, words) in [
         ("", 0, &["1 rows are left out: line 7 (load is empty)"][..]),
-        ("nan", 0, &["line 7 (load is \"nan\", no number)"]),
+        ("nan", 0, &["line 7 (load is \"nan\", not a number)"]),
         ("-5", 0, &["line 7 (load is -5, not above zero)"]),
-        ("n/a", 1, &["line 7 (belt is \"n/a\", no number)"]),
+        ("n/a", 1, &["line 7 (belt is \"n/a\", not a number)"]),
         ("0", 2, &["line 7 (t is 0, not above zero)"]),
     ] {
         let table = noted(&with_cell(7, column, cell), words);
@@ -130,7 +130,7 @@ fn tables_without_enough_are_refused() {
             },
         )
         .collect();
-    refused(MANIFEST, &text, &["rows.csv, line 2, column 1", "no number", "90 of 90 rows cannot be used"]);
+    refused(MANIFEST, &text, &["rows.csv, line 2, column 1", "not a number", "90 of 90 rows cannot be used"]);
     refused(
         &MANIFEST.replace("csv = \"rows.csv\"", "csv = \"rows.csv\"\norder = \"dat\""),
         &rows(),

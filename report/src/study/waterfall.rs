@@ -22,7 +22,7 @@ const EVALUATION: &str = "#e08a2e";
 
 /// Name of the removed volume whose errors the page states.
 pub(super) const VOLUME: &str =
-    "the volume that each pass removed, with the scan's pose as the untouched surface has it,";
+    "the volume that each pass removed, with scans aligned on the untouched surface,";
 
 /// Appends the waterfall.
 pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
@@ -163,7 +163,7 @@ fn volumes(waterfall: &Waterfall) -> Option<Table> {
     let mut table = Table::new(
         &format!(
             "Error of {VOLUME} after each step: (simulated − measured) / measured; ± is the standard uncertainty. \
-         The scan is \"raw\" as it was read"
+         In \"raw\" the scan has the pose of its file"
         ),
         &headings,
     );

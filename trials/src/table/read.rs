@@ -278,7 +278,7 @@ fn number(numbers: &Numbers, row: &TextRow, marks: &Marks) -> Result<f64, String
         }
         Ok(Some(value)) if value.is_finite() => Ok(numbers.unit.to_si(value)),
         Ok(None) => Err(format!("{} is empty", numbers.name)),
-        _ => Err(format!("{} is {}, no number", numbers.name, row.shown(numbers.at))),
+        _ => Err(format!("{} is {}, not a number", numbers.name, row.shown(numbers.at))),
     }
 }
 

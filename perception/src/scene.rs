@@ -1,14 +1,27 @@
 //! Scene of an image, drawn at random: placement, camera, light, materials, sensor.
 
-use anyhow::{Context, Result};
 use glam::{DQuat, DVec2, DVec3};
-use render::{Camera, Projection, outward};
+use random::Stream;
+use render::{Camera, Distortion, Projection, outward};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::ImageRecipe;
-use super::plan::Planned;
-use random::Stream;
+use crate::looks::{Look, LookDraws};
+
+/// The field is entirely inside or entirely outside.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("the field holds no surface")]
+pub struct NoSurface;
+
+/// Seeds of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seeds {
+    /// Of placement and camera, shared by all images of a placement.
+    pub placement: u64,
+    /// Of everything else.
+    pub image: u64,
+}
 
 /// Scene of an image, apart from the state of the coating. Its frame has z up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +38,8 @@ pub struct Scene {
     pub material: MaterialDraw,
     /// Exposure, blur and noise of the sensor.
     pub sensor: SensorDraw,
+    /// Looks.
+    pub looks: LookDraws,
 }
 
 /// Placement of a workpiece.
@@ -97,32 +112,37 @@ pub struct SensorDraw {
 }
 
 impl Scene {
-    /// Draws a scene: placement and camera from the seed of the placement, the rest from that of the image.
+    /// Draws a scene with some looks for an image of `size` pixels: placement and camera from the seed of the placement,
+    /// the rest from that of the image.
     ///
     /// # Errors
     /// If the field has no surface.
-    pub fn draw(part: &BrickGrid, recipe: &ImageRecipe, planned: &Planned) -> Result<Self> {
-        let (low, high) = part.surface_bounds().context("the field holds no surface")?;
-        let placement_seed = recipe.placement_seed(planned);
-        let corners: [DVec3; 8] = std::array::from_fn(|i| {
-            let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
-            DVec3::new(pick(0), pick(1), pick(2))
-        });
-        let placement = PlacementDraw::draw(&corners, &mut Stream::of(placement_seed, "placement"));
+    pub fn draw(part: &BrickGrid, seeds: &Seeds, size: (usize, usize), looks: &[Look]) -> Result<Self, NoSurface> {
+        let corners = corners(part)?;
+        let placement = PlacementDraw::draw(&corners, &mut Stream::of(seeds.placement, "placement"));
         let corners = corners.map(|corner| placement.to_scene(corner));
-        let aspect = recipe.size.0 as f64 / recipe.size.1 as f64;
-        let camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(placement_seed, "camera"));
-        let seed = recipe.image_seed(planned);
-        let mut light = Stream::of(seed, "light");
+        let aspect = size.0 as f64 / size.1 as f64;
+        let camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(seeds.placement, "camera"));
+        let mut light = Stream::of(seeds.image, "light");
         Ok(Self {
             placement,
             camera,
             lamps: lamps(&mut light),
             environment: light.between([0.35, 1.15]),
-            material: MaterialDraw::draw(&mut Stream::of(seed, "material")),
-            sensor: SensorDraw::draw(&mut Stream::of(seed, "sensor"), seed),
+            material: MaterialDraw::draw(&mut Stream::of(seeds.image, "material")),
+            sensor: SensorDraw::draw(&mut Stream::of(seeds.image, "sensor"), seeds.image),
+            looks: LookDraws::draw(looks, seeds.image),
         })
     }
+}
+
+/// Corners of the box of a part's surface [m].
+pub(crate) fn corners(part: &BrickGrid) -> Result<[DVec3; 8], NoSurface> {
+    let (low, high) = part.surface_bounds().ok_or(NoSurface)?;
+    Ok(std::array::from_fn(|i| {
+        let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    }))
 }
 
 impl PlacementDraw {
@@ -138,12 +158,31 @@ impl PlacementDraw {
         Self { table_m: lowest, ..placed }
     }
 
-    fn to_scene(self, point: DVec3) -> DVec3 {
+    pub(crate) fn to_scene(self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation_m
     }
 }
 
 impl CameraDraw {
+    /// Returns the camera.
+    pub fn camera(&self) -> Camera {
+        let [right, up, forward] = self.axes;
+        let [k1, k2] = self.distortion;
+        Camera {
+            eye: self.eye_m,
+            right,
+            up,
+            forward,
+            projection: Projection::Perspective { vertical_field_of_view: self.vertical_field_of_view },
+            distortion: Distortion { radial: [k1, k2, 0.0], tangential: [0.0; 2] },
+        }
+    }
+
+    /// Distance of a point [m] along the camera's axis [m].
+    pub(crate) fn depth(&self, point: DVec3) -> f64 {
+        (point - self.eye_m).dot(self.axes[2])
+    }
+
     /// Draws a camera that looks down on the corners of a box [m] and shows all of them, at a random distance.
     fn draw(corners: &[DVec3; 8], aspect: f64, stream: &mut Stream) -> Self {
         let vertical_field_of_view = stream.between([0.3, 0.75]);

@@ -1,0 +1,194 @@
+//! Photographs of a part in a scene, and the labels from comparing them.
+
+use glam::{DVec3, Vec3};
+use render::label::{Colour, labels, seen_share};
+use render::{
+    Appearance, Environment, Field, Frame, KeyLight, Lights, Marks, Material, Picture, Placement, Raster,
+    Scene as Stage, Sensor, Table, VisibleObject,
+};
+use sdf_bake::BrickGrid;
+
+use crate::jpeg::through_jpeg;
+use crate::looks::{LookDraws, PanelDraw, TextureDraw};
+use crate::scene::{MaterialDraw, Scene};
+
+/// Exponent for perceptually even steps of light, an approximation of sRGB.
+const GAMMA: f32 = 2.2;
+/// Weights of red, green and blue in luminance (ITU-R BT.709).
+const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// An image with its labels.
+pub struct Shot {
+    /// Eight-bit sRGB.
+    pub image: Picture,
+    /// Labels from appearance.
+    pub appearance: Vec<u8>,
+    /// Labels from dose.
+    pub dose: Vec<u8>,
+    /// Share of the workpiece's pixels with a dose of 1 or more.
+    pub exposed_share: f64,
+    /// Signal of linear light 1 at the camera's exposure.
+    pub exposure: f64,
+}
+
+/// Photographs a part with its dose; labels it by comparison with the same part unsanded and bare in the same scene.
+pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
+    let camera = scene.camera.camera();
+    let stage = stage(part, scene);
+    // Unsanded and bare.
+    let others = [0.0, 1.0].map(|exposed| Appearance { exposed: Some(exposed), ..stage.appearance.clone() });
+    let raster = Raster { width, height, samples_per_side: 1 };
+    let (frame, in_others) = stage.photograph_as(&others, &camera, &raster);
+    let exposure = exposure(&frame, scene.sensor.aim);
+    let on_part = |pixel: usize| frame.seen[pixel] == VisibleObject::Part;
+    let code = |colour: Vec3| -> Colour {
+        let signal = (colour * exposure as f32).clamp(Vec3::ZERO, Vec3::ONE);
+        signal.powf(1.0 / GAMMA).to_array()
+    };
+    let seen = |pixel: usize| {
+        let [unsanded, bare] = in_others[pixel].map(code);
+        seen_share(code(frame.colour[pixel]), unsanded, bare)
+    };
+    let gone = |pixel: usize| frame.dose[pixel].min(1.0);
+    let pixels = (0..width * height).filter(|&pixel| on_part(pixel));
+    let exposed = pixels.clone().filter(|&pixel| frame.dose[pixel] >= 1.0).count();
+    Shot {
+        image: picture(&frame, scene, exposure),
+        appearance: labels(width, height, |pixel| on_part(pixel).then(|| seen(pixel))),
+        dose: labels(width, height, |pixel| on_part(pixel).then(|| Some(gone(pixel)))),
+        exposed_share: exposed as f64 / pixels.count().max(1) as f64,
+        exposure,
+    }
+}
+
+/// The picture as the camera stores it.
+fn picture(frame: &Frame, scene: &Scene, exposure: f64) -> Picture {
+    let mut frame = frame.clone();
+    if let Some(optics) = &scene.looks.optics {
+        let middle = scene.camera.depth(scene.placement.translation_m);
+        optics.optics(frame.height, middle).apply(&mut frame);
+    }
+    sensor(scene, exposure).expose(&mut frame);
+    let picture = frame.to_srgb8();
+    // A picture too long for JPEG stays as it is.
+    scene.looks.jpeg_quality.and_then(|quality| through_jpeg(&picture, quality).ok()).unwrap_or(picture)
+}
+
+fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
+    let room = Lights::default().environment;
+    let dimmed = |light: Vec3| light * scene.environment as f32;
+    let environment = Environment { sky: dimmed(room.sky), horizon: dimmed(room.horizon), floor: dimmed(room.floor) };
+    let keys = scene.lamps.iter().map(|lamp| KeyLight {
+        towards: lamp.towards,
+        irradiance: lamp.irradiance.as_vec3(),
+        spread: lamp.spread as f32,
+    });
+    let panels = scene.looks.panels.iter().map(PanelDraw::panel);
+    Stage {
+        field: Field::new(part),
+        placement: Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m },
+        appearance: appearance(&scene.material, &scene.looks),
+        table: Some(table(scene)),
+        lights: Lights { keys: keys.collect(), environment, panels: panels.collect() },
+    }
+}
+
+fn table(scene: &Scene) -> Table {
+    let material = Material {
+        colour: scene.material.table.as_vec3(),
+        roughness: scene.material.table_roughness as f32,
+        metallic: 0.0,
+    };
+    let texture = scene.looks.table.map(TextureDraw::texture);
+    Table { height: scene.placement.table_m, material, texture }
+}
+
+fn appearance(material: &MaterialDraw, looks: &LookDraws) -> Appearance {
+    let roughness = material.coating_roughness as f32;
+    let paint = |colour: DVec3| Material { colour: colour.as_vec3(), roughness, metallic: 0.0 };
+    let ground =
+        Material { colour: material.metal.as_vec3(), roughness: material.metal_roughness as f32, metallic: 1.0 };
+    let marks = looks.swirl.map_or(Marks::default(), |swirl| Marks {
+        width: swirl.width_m as f32,
+        slope: swirl.slope as f32,
+        anisotropy: swirl.anisotropy as f32,
+        orbit: Some(swirl.orbit_m as f32),
+        ..Marks::default()
+    });
+    Appearance {
+        coating: Some(paint(material.coating)),
+        ground,
+        marks,
+        primer: looks.primer.map(paint),
+        texture: looks.part.map(TextureDraw::texture),
+        ..Appearance::default()
+    }
+}
+
+/// Returns the exposure at which the mean luminance of the part is `aim`.
+fn exposure(frame: &Frame, aim: f64) -> f64 {
+    let lit = frame.colour.iter().zip(&frame.seen).filter(|(_, seen)| **seen == VisibleObject::Part);
+    let (sum, count) =
+        lit.fold((0.0, 0), |(sum, count), (colour, _)| (sum + f64::from(colour.dot(LUMINANCE)), count + 1));
+    if sum > 0.0 { aim * f64::from(count) / sum } else { 1.0 }
+}
+
+fn sensor(scene: &Scene, exposure: f64) -> Sensor {
+    Sensor {
+        exposure: exposure as f32,
+        blur: scene.sensor.blur as f32,
+        full_well: scene.sensor.full_well as f32,
+        read_noise: scene.sensor.read_noise as f32,
+        seed: scene.sensor.seed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Look, Seeds, Shape};
+    use render::label::{IGNORE, SANDED, UNSANDED, counts};
+
+    #[test]
+    fn half_a_panel_without_coating_is_labelled_as_half() {
+        let mut part = Shape::Panel.field(1.5e-3);
+        let bare_from = 0.01;
+        let x = |place: usize, part: &BrickGrid| part.position(part.voxel_of(place)).x;
+        part.dose = (0..part.phi.len()).map(|place| if x(place, &part) > bare_from { 1.5 } else { 0.0 }).collect();
+        let draw = |placement: u64, looks: &[Look]| {
+            Scene::draw(&part, &Seeds { placement, image: 4 }, (120, 90), looks).unwrap()
+        };
+        let from_above = (0..).find(|&placement| draw(placement, &[]).camera.axes[2].z < -0.93).unwrap();
+        for looks in [&[][..], &Look::ALL] {
+            let scene = draw(from_above, looks);
+            let shot = shoot(&part, &scene, (120, 90));
+            // Seen from above, the visible share equals the share of the upper side.
+            let share = (0.075 - bare_from) / 0.15;
+            assert!((shot.exposed_share - share).abs() < 0.08, "{}", shot.exposed_share);
+            let [background, sanded, unsanded, ignored] = counts(&shot.dose);
+            assert_eq!(background + sanded + unsanded + ignored, 120 * 90);
+            assert!(sanded > 500 && unsanded > 500 && ignored < sanded, "{:?}", counts(&shot.dose));
+            let opposite = |(a, b): (&u8, &u8)| (*a == SANDED && *b == UNSANDED) || (*a == UNSANDED && *b == SANDED);
+            let pairs = || shot.appearance.iter().zip(&shot.dose);
+            assert_eq!(pairs().filter(|pair| opposite(*pair)).count(), 0);
+            assert!(pairs().all(|(a, b)| (*a == 0) == (*b == 0) || *a == IGNORE || *b == IGNORE));
+        }
+    }
+
+    #[test]
+    fn every_look_changes_the_picture_and_none_the_labels_by_dose() {
+        let mut part = Shape::Hood.field(1.5e-3);
+        let y = |place: usize, part: &BrickGrid| part.position(part.voxel_of(place)).y;
+        part.dose = (0..part.phi.len()).map(|place| (0.5 + 40.0 * y(place, &part) as f32).max(0.0)).collect();
+        let taken = |looks: &[Look]| {
+            let scene = Scene::draw(&part, &Seeds { placement: 5, image: 12 }, (96, 72), looks).unwrap();
+            shoot(&part, &scene, (96, 72))
+        };
+        let plain = taken(&[]);
+        for look in Look::ALL {
+            let shot = taken(&[look]);
+            assert_ne!(shot.image, plain.image, "{}", look.name());
+            assert_eq!(shot.dose, plain.dose, "{}", look.name());
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! What all photographs of a placement share: the camera as matrices, boxes, depth, normals and welds.
+
+use export::rle::Extent;
+use glam::DVec3;
+use render::{Appearance, Field, Frame, Lights, Placement, Raster, Scene as Stage, VisibleObject};
+use sdf_bake::BrickGrid;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::{NoSurface, Scene, corners};
+
+/// Number of the background in instance labels.
+pub const BACKGROUND_INSTANCE: u8 = 0;
+/// Number of the workpiece's base metal in instance labels; weld i has this plus i.
+pub const WORKPIECE_INSTANCE: u8 = 1;
+/// Depth of one step of the depth image [m].
+pub const DEPTH_STEP: f64 = 1e-4;
+
+/// Camera in the convention of OpenCV: x to the right, y down, z ahead; the middle of the first pixel is (0, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Camera matrix K, row by row [pixels].
+    pub matrix: [[f64; 3]; 3],
+    /// Distortion coefficients k₁, k₂, p₁, p₂, k₃.
+    pub distortion: [f64; 5],
+}
+
+/// What all photographs of a placement share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// Camera.
+    pub camera: Intrinsics,
+    /// Rotation from the part's frame to the camera's, row by row.
+    pub part_to_camera_rotation: [[f64; 3]; 3],
+    /// Origin of the part's frame in the camera's [m].
+    pub part_to_camera_translation_m: [f64; 3],
+    /// Lowest and highest corner of the workpiece's box in the part's frame [m].
+    pub box_m: [[f64; 3]; 2],
+    /// Left, top, width, height of the workpiece in the picture [pixels].
+    pub bounds: [usize; 4],
+    /// Share of the workpiece's pixels that the picture shows; nothing hides it, and the whole box is in the picture.
+    pub visible_share: f64,
+    /// Visible welds, by id.
+    pub welds: Vec<VisibleWeld>,
+    /// Depth of one step of the depth image [m]; 0 in it is background.
+    pub depth_step_m: f64,
+}
+
+/// A weld in a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VisibleWeld {
+    /// Weld id.
+    pub id: u16,
+    /// Number of its pixels.
+    pub pixels: u64,
+    /// Left, top, width, height [pixels].
+    pub bounds: [usize; 4],
+}
+
+impl View {
+    /// Looks at a part; also returns the buffers, photographed bare in the light of a workshop.
+    ///
+    /// # Errors
+    /// If the field has no surface.
+    pub fn of(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Result<(Self, Frame), NoSurface> {
+        let placement = Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m };
+        let stage = Stage {
+            field: Field::new(part),
+            placement,
+            appearance: Appearance::default(),
+            table: None,
+            lights: Lights::default(),
+        };
+        let raster = Raster { width, height, samples_per_side: 1 };
+        let frame = stage.photograph(&scene.camera.camera(), &raster);
+        let [right, up, forward] = scene.camera.axes;
+        let axes = [right, -up, forward];
+        let to_part = scene.placement.rotation.inverse();
+        let [low, .., high] = corners(part)?;
+        let view = Self {
+            camera: Intrinsics::of(scene, (width, height)),
+            part_to_camera_rotation: axes.map(|axis| (to_part * axis).to_array()),
+            part_to_camera_translation_m: axes.map(|axis| axis.dot(placement.translation - scene.camera.eye_m)),
+            box_m: [low.to_array(), high.to_array()],
+            bounds: Extent::of(width, height, |pixel| frame.seen[pixel] == VisibleObject::Part).bounds,
+            visible_share: 1.0,
+            welds: welds(&frame),
+            depth_step_m: DEPTH_STEP,
+        };
+        Ok((view, frame))
+    }
+
+    /// Projects a point of the part's frame [m] to the picture [pixels].
+    pub fn project(&self, point: DVec3) -> [f64; 2] {
+        let at = |axis: usize| {
+            DVec3::from_array(self.part_to_camera_rotation[axis]).dot(point) + self.part_to_camera_translation_m[axis]
+        };
+        let (x, y) = (at(0) / at(2), at(1) / at(2));
+        let [k1, k2, _, _, k3] = self.camera.distortion;
+        let r2 = x * x + y * y;
+        let stretch = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let [[fx, _, cx], [_, fy, cy], _] = self.camera.matrix;
+        [fx * x * stretch + cx, fy * y * stretch + cy]
+    }
+}
+
+impl Intrinsics {
+    fn of(scene: &Scene, (width, height): (usize, usize)) -> Self {
+        let focal = 0.5 * height as f64 / (0.5 * scene.camera.vertical_field_of_view).tan();
+        let [cx, cy] = [width, height].map(|side| 0.5 * side as f64 - 0.5);
+        let [k1, k2] = scene.camera.distortion;
+        Self { matrix: [[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]], distortion: [k1, k2, 0.0, 0.0, 0.0] }
+    }
+}
+
+/// The welds in a frame, by id.
+fn welds(frame: &Frame) -> Vec<VisibleWeld> {
+    let mut ids: Vec<u16> = frame.weld.iter().copied().filter(|&id| id > 0).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let of = |id: u16| {
+        let extent = Extent::of(frame.width, frame.height, |pixel| frame.weld[pixel] == id);
+        VisibleWeld { id, pixels: extent.area, bounds: extent.bounds }
+    };
+    ids.into_iter().map(of).collect()
+}
+
+/// Instance label of each pixel: background, base metal, or a weld. Ids beyond the range of a byte share the last.
+pub fn instances(frame: &Frame) -> Vec<u8> {
+    let instance = |pixel: usize| match frame.seen[pixel] {
+        VisibleObject::Part => u8::try_from(frame.weld[pixel]).unwrap_or(u8::MAX).saturating_add(WORKPIECE_INSTANCE),
+        _ => BACKGROUND_INSTANCE,
+    };
+    (0..frame.seen.len()).map(instance).collect()
+}
+
+/// Depth of each pixel in steps of [`DEPTH_STEP`]; 0 for background and beyond the range of 6.5 m.
+pub fn depth_steps(frame: &Frame) -> Vec<u16> {
+    let step = |depth: &f32| {
+        let steps = (f64::from(*depth) / DEPTH_STEP).round();
+        if steps <= f64::from(u16::MAX) { steps as u16 } else { 0 }
+    };
+    frame.depth.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Seeds, Shape};
+
+    #[test]
+    fn every_pixel_s_point_projects_to_its_middle_and_lies_at_its_depth() {
+        let part = Shape::Tee.field(2e-3);
+        let scene = Scene::draw(&part, &Seeds { placement: 9, image: 1 }, (80, 60), &[]).unwrap();
+        let (view, frame) = View::of(&part, &scene, (80, 60)).unwrap();
+        let seen: Vec<usize> = (0..80 * 60).filter(|&pixel| frame.seen[pixel] == VisibleObject::Part).collect();
+        assert!(seen.len() > 500, "{}", seen.len());
+        for &pixel in &seen {
+            let point = frame.position[pixel].as_dvec3();
+            let [x, y] = view.project(point);
+            let away = (x - (pixel % 80) as f64).hypot(y - (pixel / 80) as f64);
+            assert!(away < 1e-3, "pixel {pixel}: {away}");
+            let axis = DVec3::from_array(view.part_to_camera_rotation[2]);
+            let depth = axis.dot(point) + view.part_to_camera_translation_m[2];
+            assert!((depth - f64::from(frame.depth[pixel])).abs() < 1e-5);
+            let step = f64::from(depth_steps(&frame)[pixel]);
+            assert!((step * DEPTH_STEP - depth).abs() < 0.51 * DEPTH_STEP);
+        }
+    }
+
+    #[test]
+    fn instances_and_boxes_are_those_of_the_welds() {
+        let part = Shape::Tee.field(2e-3);
+        let scene = Scene::draw(&part, &Seeds { placement: 2, image: 1 }, (80, 60), &[]).unwrap();
+        let (view, frame) = View::of(&part, &scene, (80, 60)).unwrap();
+        let labels = instances(&frame);
+        assert!(!view.welds.is_empty());
+        for weld in &view.welds {
+            let found = labels.iter().filter(|&&label| u16::from(label) == weld.id + 1).count() as u64;
+            assert_eq!(found, weld.pixels);
+            let [x, y, width, height] = weld.bounds;
+            let [left, top, across, down] = view.bounds;
+            assert!(x >= left && y >= top && x + width <= left + across && y + height <= top + down);
+        }
+        let [low, high] = view.box_m.map(DVec3::from_array);
+        assert!((high - low).min_element() > 0.01);
+    }
+}
