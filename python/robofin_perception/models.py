@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from abc import ABC, abstractmethod
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +107,8 @@ class UNet(Segmenter):
     def read(cls, folder: Path, grid: tuple[int, int]) -> UNet:
         from segmentation_models_pytorch import Unet
 
-        return cls(Unet.from_pretrained(folder), grid)
+        with redirect_stdout(sys.stderr):  # which the library tells of loading
+            return cls(Unet.from_pretrained(folder), grid)
 
     def frame(self, example: Example) -> Box:
         left, top, right, bottom = example.box

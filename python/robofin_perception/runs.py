@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from safetensors import SafetensorError
 
 from .data import LABELS, TARGETS
 from .errors import PerceptionError, WrongUse
@@ -89,11 +90,13 @@ def read_run(folder: Path) -> Trained:
         options, kind = card["options"], card["kind"]
         if card["format"] != FORMAT or options["labels"] not in LABELS or options["target"] not in TARGETS:
             raise WrongUse(f"{path} has the format {card['format']!r}; {FORMAT!r} is accepted")
+        if not (folder / MODEL).is_dir():
+            raise WrongUse(f"{folder / MODEL} is missing; a run has the folder of its network")
         if kind == UNet.kind:
             width, height = options["size"]
             segmenter: Segmenter = UNet.read(folder / MODEL, (width, height))
         else:
             segmenter = Sam2.read(str(folder / MODEL))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, SafetensorError) as error:
         raise WrongUse(f"--run {folder} cannot be read: {type(error).__name__}, {error}") from None
     return Trained(str(folder), segmenter, options["labels"], options["target"])

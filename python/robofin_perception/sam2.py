@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from safetensors import SafetensorError
 from torch import Tensor
 
 from .data import Box, Example
@@ -52,11 +53,12 @@ class Sam2(Segmenter):
         from transformers import Sam2Model
 
         try:
-            return cls(Sam2Model.from_pretrained(name))
-        except (OSError, ValueError, RuntimeError) as error:
-            raise WrongUse(f"{name!r} is no model that can be read ({_first_line(error)}); accepted are unet, "
-                           "sam2-random, a folder with config.json and model.safetensors of SAM 2, or the name of such "
-                           "a model on the hub, as facebook/sam2.1-hiera-tiny") from None
+            sam, told = Sam2Model.from_pretrained(name, output_loading_info=True)
+        except (OSError, ValueError, RuntimeError, SafetensorError) as error:
+            raise _refused(name, str(error).strip().partition("\n")[0]) from None
+        if told["missing_keys"]:
+            raise _refused(name, f"it lacks {min(told['missing_keys'])}")
+        return cls(sam)
 
     def frozen(self) -> Tensors:
         weights = {f"{part}.{name}": weight for part, module in self._still.items()
@@ -75,7 +77,7 @@ class Sam2(Segmenter):
         mean, deviation = (torch.tensor(each, device=device)[:, None, None] for each in (MEAN, DEVIATION))
         features = self.sam.get_image_embeddings(((image - mean) / deviation)[None])
         scale = torch.tensor([self.side / frame[2], self.side / frame[3]]).repeat(2)
-        kept = {f"features{level}": each[0].half().cpu() for level, each in enumerate(features)}
+        kept = {f"features{level}": each[0].half().cpu().contiguous() for level, each in enumerate(features)}
         return {**kept, "box": torch.tensor(example.box) * scale}
 
     def forward(self, batch: Tensors) -> tuple[Tensor, Tensor]:
@@ -87,8 +89,10 @@ class Sam2(Segmenter):
         self.sam.save_pretrained(folder)
 
 
-def _first_line(error: Exception) -> str:
-    return str(error).strip().partition("\n")[0]
+def _refused(name: str, why: str) -> WrongUse:
+    return WrongUse(f"{name!r} is no model that can be read ({why}); accepted are unet, sam2-random, a folder with "
+                    "config.json and model.safetensors of SAM 2, or the name of such a model on the hub, as "
+                    "facebook/sam2.1-hiera-tiny")
 
 
 def _small() -> Any:
