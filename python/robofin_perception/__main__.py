@@ -57,9 +57,12 @@ def parser() -> argparse.ArgumentParser:
     """All verbs and flags."""
     program = argparse.ArgumentParser(prog="python -m robofin_perception", description=__doc__, allow_abbrev=False)
     verbs = program.add_subparsers(dest="verb", required=True)
-    _add_training(verbs.add_parser("train", help="train a network on a set of labelled images", allow_abbrev=False), False)
-    _add_training(verbs.add_parser("table", help="train without, with one and with two sets", allow_abbrev=False), True)
-    _add_evaluation(verbs.add_parser("evaluate", help="measure a network on held-out images", allow_abbrev=False))
+    helps = {"train": "train a network on a set of labelled images", "evaluate": "measure a network on held-out images",
+             "table": "measure no training, training on one set and on two"}
+    train, evaluate, table = (verbs.add_parser(verb, help=text, allow_abbrev=False) for verb, text in helps.items())
+    _add_training(train, needs_real=False)
+    _add_evaluation(evaluate)
+    _add_training(table, needs_real=True)
     return program
 
 
@@ -78,7 +81,7 @@ def _add_training(verb: argparse.ArgumentParser, needs_real: bool) -> None:
 
 
 def _add_evaluation(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument("--run", required=True, metavar="DIR|MODEL", help="a run folder, or SAM 2 that was not fine-tuned")
+    verb.add_argument("--run", required=True, metavar="DIR|MODEL", help="a run folder, or SAM 2 as it is")
     verb.add_argument("--data", type=Path, required=True, metavar="DIR", help="the set of labelled images")
     verb.add_argument("--split", choices=("train", "validation", "test"), default="test")
     _add_common(verb, None, None)

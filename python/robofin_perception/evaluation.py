@@ -111,7 +111,8 @@ def _content(request: Request, trained: Trained, records: Sequence[Record],
         },
         "rows": {name: asdict(summarise(each, groups)) for name, each in counts.items()},
         "each": [
-            {"id": record.id, "group": record.group, "iou": {name: round(each[k].iou, 4) for name, each in counts.items()}}
+            {"id": record.id, "group": record.group,
+             "iou": {name: round(each[k].iou, 4) for name, each in counts.items()}}
             for k, record in enumerate(records)
         ],
     }
@@ -125,8 +126,8 @@ def markdown(content: dict[str, Any]) -> str:
         f"`{content['run']}`, {content['target']} area, label by {content['labels']}: {content['images']} images of "
         f"`{content['data']['folder']}`, {content['data']['split']}, in {content['groups']} groups.\n",
         HEADER, *rows, "",
-        f"Empty in label and mask: {empty['label_and_mask']}; in the label only: {empty['label_only']}; in the mask only: "
-        f"{empty['mask_only']}.", ""])
+        f"Empty in label and mask: {empty['label_and_mask']}; in the label only: {empty['label_only']}; "
+        f"in the mask only: {empty['mask_only']}.", ""])
 
 
 HEADER = """| answer | mean IoU [%] | 95 % | pooled IoU [%] | Dice [%] | precision [%] | recall [%] |

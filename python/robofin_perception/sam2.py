@@ -53,7 +53,7 @@ class Sam2(Segmenter):
         from transformers import Sam2Model
 
         try:
-            sam, told = Sam2Model.from_pretrained(name, output_loading_info=True)
+            sam, told = Sam2Model.from_pretrained(name, dtype=torch.float32, output_loading_info=True)
         except (OSError, ValueError, RuntimeError, SafetensorError) as error:
             raise _refused(name, str(error).strip().partition("\n")[0]) from None
         if told["missing_keys"]:

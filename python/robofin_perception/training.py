@@ -55,7 +55,12 @@ class Options:
             raise WrongUse(f"--size belongs to --model unet; the size of {self.model} is in its configuration")
         if self.cache and unet:
             raise WrongUse("--cache belongs to SAM 2; unet has no frozen part whose outputs could be kept")
-        return replace(self, lr=self.lr or RATES.get(self.model, FINE_TUNING_RATE), size=(self.size or SIZE) if unet else None)
+        return replace(
+            self,
+            lr=self.lr or RATES.get(self.model, FINE_TUNING_RATE),
+            size=(self.size or SIZE) if unet else None,
+            real_fraction=self.real_fraction if self.real else 0.0,
+        )
 
 
 def create(model: str, seed: int, size: tuple[int, int] | None = None) -> Segmenter:
@@ -112,7 +117,7 @@ def draws(options: Options) -> Iterator[list[Record]]:
 
 
 def loss_parts(answer: tuple[Tensor, Tensor], target: Tensor, present: Tensor) -> Tensors:
-    """Cross-entropy of the counted pixels, Dice loss of the images that have the area, cross-entropy of its existence."""
+    """Cross-entropy of counted pixels, Dice loss of images that have the area, cross-entropy of its existence."""
     logits, presence = answer
     counted, truth = (target != IGNORE).float(), (target == 1).float()
     pixels = functional.binary_cross_entropy_with_logits(logits, truth, reduction="none")
