@@ -127,13 +127,9 @@ class UNet(Segmenter):
         return masks[:, 0], presence[:, 0]
 
     def augment(self, batch: Tensors, target: Tensor) -> tuple[Tensors, Tensor]:
-        """Mirrored along either axis, its colours exchanged, and brighter or darker by up to 30 %."""
+        """Mirrored along either axis or none."""
         axes = [axis for axis in (-1, -2) if torch.rand(()) < 0.5]
-        image = batch["image"].flip(axes).float()
-        image = image[:, [*torch.randperm(3).tolist(), 3]]
-        gain = 0.7 + 0.6 * torch.rand(len(image), 1, 1, 1)
-        image[:, :3] *= gain.to(image.device)
-        return {"image": image.clamp(max=255)}, target.flip(axes)
+        return {"image": batch["image"].flip(axes)}, target.flip(axes)
 
     def save(self, folder: Path) -> None:
         self.net.save_pretrained(folder)
