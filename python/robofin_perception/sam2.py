@@ -53,9 +53,10 @@ class Sam2(Segmenter):
         from transformers import Sam2Model
 
         try:
-            sam, told = Sam2Model.from_pretrained(name, dtype=torch.float32, output_loading_info=True)
+            read: Any = Sam2Model.from_pretrained(name, dtype=torch.float32, output_loading_info=True)
         except (OSError, ValueError, RuntimeError, SafetensorError) as error:
             raise _refused(name, str(error).strip().partition("\n")[0]) from None
+        sam, told = read
         if told["missing_keys"]:
             raise _refused(name, f"it lacks {min(told['missing_keys'])}")
         return cls(sam)
