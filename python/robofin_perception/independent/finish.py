@@ -67,10 +67,10 @@ class FinishDraw:
             feather=between(0.08, 0.25),
             raggedness=between(0.15, 0.6),
             metal=random.choice(METALS),
-            metal_roughness=between(0.22, 0.5),
-            anisotropy=between(0.0, 0.8),
+            metal_roughness=between(0.3, 0.58),
+            anisotropy=between(0.0, 0.6),
             marks_radius_m=(0.006, between(0.012, 0.03)) if wide else (0.0015, between(0.003, 0.006)),
-            marks_depth_m=between(1.5e-5, 6e-5),
+            marks_depth_m=between(4e-6, 2e-5),
             dirt=between(0.0, 0.35) if random.random() < 0.6 else 0.0,
             dirt_colour=(between(0.15, 0.4), between(0.13, 0.32), between(0.1, 0.25)),
             seed=seed,
@@ -82,7 +82,7 @@ def paint_colour(random: Random) -> Colour:
     if random.random() < 0.3:
         grey = random.choice((0.03, 0.12, 0.3, 0.55, 0.75)) * random.uniform(0.8, 1.15)
         return (grey, grey * random.uniform(0.96, 1.04), grey * random.uniform(0.94, 1.08))
-    return colorsys.hsv_to_rgb(random.random(), random.uniform(0.35, 0.97), random.uniform(0.1, 0.8))
+    return colorsys.hsv_to_rgb(random.random(), random.uniform(0.5, 0.98), random.uniform(0.08, 0.75))
 
 
 def set_state(state: str) -> None:
@@ -139,7 +139,7 @@ def shader(
     coloured = nodes.blend(bare, coated, metal_colour(nodes, at, marks, finish))
     roughness = nodes.mix(primed, nodes.mix(dull, finish.paint_roughness, 0.6), 0.75)
     cloudy = nodes.remap(nodes.noise(at, 45.0, 3.0), (0.3, 0.7), (-0.07, 0.09))
-    scratched = nodes.math("MULTIPLY_ADD", marks, 0.25, nodes.math("ADD", cloudy, finish.metal_roughness - 0.1))
+    scratched = nodes.math("MULTIPLY_ADD", marks, 0.3, nodes.math("ADD", cloudy, finish.metal_roughness - 0.15))
     roughness = nodes.mix(bare, roughness, scratched)
     metallic = nodes.mix(bare, nodes.math("MULTIPLY", flake, nodes.math("SUBTRACT", 1.0, primed)), 1.0)
     clear = nodes.math("MULTIPLY", nodes.math("SUBTRACT", 1.0, dull), finish.clear_coat)
@@ -151,7 +151,7 @@ def shader(
         Coat_Weight=nodes.math("MULTIPLY", clear, clean),
         Coat_Roughness=0.05,
         Anisotropic=nodes.math("MULTIPLY", bare, finish.anisotropy),
-        Tangent=brushed(nodes, at),
+        Tangent=brushed(nodes, at, marks),
         Normal=relief(nodes, at, (gone, bare, marks), finish),
     )
 
@@ -159,7 +159,7 @@ def shader(
 def metal_colour(nodes: Nodes, at: Socket, marks: Socket, finish: FinishDraw) -> Socket:
     """The metal, darker in its marks, and tinted by heat near a weld."""
     clouds = nodes.remap(nodes.noise(at, 30.0, 4.0), (0.3, 0.7), (0.62, 0.85))
-    shade = nodes.math("MULTIPLY_ADD", marks, 0.5, clouds)
+    shade = nodes.math("MULTIPLY_ADD", marks, 0.6, nodes.math("SUBTRACT", clouds, 0.05))
     grey = nodes.add("ShaderNodeCombineColor", {0: shade, 1: shade, 2: shade})[0]
     plain = nodes.blend(1.0, rgba(finish.metal), grey, "MULTIPLY")
     heat = nodes.add("ShaderNodeAttribute", attribute_name="heat")["Fac"]
@@ -167,9 +167,9 @@ def metal_colour(nodes: Nodes, at: Socket, marks: Socket, finish: FinishDraw) ->
     return nodes.blend(nodes.math("MULTIPLY", nodes.step(heat, 0.0, 0.5), 0.45), plain, tint)
 
 
-def brushed(nodes: Nodes, at: Socket) -> Socket:
-    """Tangents that turn slowly along the surface, as the direction of sanding does."""
-    angle = nodes.math("MULTIPLY", nodes.noise(at, 25.0, 1.0), 25.0)
+def brushed(nodes: Nodes, at: Socket, marks: Socket) -> Socket:
+    """Tangents whose direction changes from mark to mark, as that of sanding does."""
+    angle = nodes.math("MULTIPLY_ADD", marks, 6.0, nodes.math("MULTIPLY", nodes.noise(at, 150.0, 2.0), 14.0))
     along: dict[str | int, Socket] = {0: nodes.math("COSINE", angle), 1: nodes.math("SINE", angle)}
     return nodes.add("ShaderNodeCombineXYZ", along)[0]
 

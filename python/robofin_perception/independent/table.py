@@ -79,9 +79,9 @@ def concrete(nodes: Nodes, at: Socket, table: TableDraw) -> Socket:
     clouds = nodes.remap(nodes.noise(at, 9.0, 8.0), (0.3, 0.7), (0.0, 1.0))
     pores = nodes.step(nodes.noise(at, 320.0, 3.0), 0.62, 0.72)
     bend = nodes.add("ShaderNodeTexNoise", {"Vector": at, "Scale": 12.0})["Color"]
-    crooked = nodes.add("ShaderNodeVectorMath", {0: bend, 1: (0.12, 0.12, 0.0), 2: at}, operation="MULTIPLY_ADD")[0]
+    crooked = nodes.add("ShaderNodeVectorMath", {0: bend, 1: (0.05, 0.05, 0.0), 2: at}, operation="MULTIPLY_ADD")[0]
     edges = nodes.add("ShaderNodeTexVoronoi", {"Vector": crooked, "Scale": 2.2}, feature="DISTANCE_TO_EDGE")[0]
-    cracks = nodes.math("SUBTRACT", 1.0, nodes.step(edges, 0.0, 0.006))
+    cracks = nodes.math("SUBTRACT", 1.0, nodes.step(edges, 0.0, 0.004))
     dark = nodes.math("MAXIMUM", nodes.math("MULTIPLY", pores, 0.5), cracks)
     colour = nodes.blend(dark, nodes.blend(clouds, rgba(table.colour), rgba(table.other)), (0.05, 0.05, 0.05, 1.0))
     height = nodes.math("MULTIPLY", dark, -4e-4)
@@ -93,8 +93,8 @@ def steel(nodes: Nodes, at: Socket, table: TableDraw) -> Socket:
     along = nodes.add("ShaderNodeMapping", {"Vector": at, "Scale": (1.0, 0.02, 1.0)})[0]
     brush = nodes.noise(along, 900.0, 2.0)
     stains = nodes.step(nodes.noise(at, 14.0, 6.0), 0.45, 0.7)
-    inputs: dict[str | int, Socket] = {"Vector": at, "Scale": 30.0, "Distortion": 20.0, "Detail": 2.0}
-    scratches = nodes.step(nodes.add("ShaderNodeTexWave", inputs)["Fac"], 0.985, 1.0)
+    inputs: dict[str | int, Socket] = {"Vector": at, "Scale": 14.0, "Distortion": 3.0, "Detail": 2.0}
+    scratches = nodes.step(nodes.add("ShaderNodeTexWave", inputs)["Fac"], 0.992, 1.0)
     roughness = nodes.math("ADD", nodes.mix(brush, 0.2, 0.45), nodes.math("MULTIPLY", stains, 0.25))
     colour = nodes.blend(nodes.math("MULTIPLY", stains, 0.5), rgba(table.colour), rgba(table.other))
     height = nodes.math("MULTIPLY_ADD", scratches, -5e-5, nodes.math("MULTIPLY", brush, 2e-5))
