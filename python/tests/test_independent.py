@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 import robofin
+from robofin_perception.independent import __main__ as command
 from robofin_perception.independent.labels import IGNORE, SANDED, UNSANDED, agreement, code, labels, seen_share
 from robofin_perception.independent.plan import plan
 from robofin_perception.independent.source import SourceSet
 
-needs_bpy = pytest.mark.skipif(find_spec("bpy") is None, reason="NOT TESTED: bpy is not installed (pip install bpy==4.5.*)")
+WITHOUT_BPY = "NOT TESTED: bpy is not installed (pip install bpy==4.5.*, Python 3.11)"
+needs_bpy = pytest.mark.skipif(find_spec("bpy") is None, reason=WITHOUT_BPY)
 
 SIZE = (64, 48)
 
@@ -23,7 +25,7 @@ SIZE = (64, 48)
 def source_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A set of the program: the panel at 2 mm, two stages of two paths."""
     folder = tmp_path_factory.mktemp("source") / "set"
-    options = "--workpieces panel --voxel-mm 2 --patterns along-x,spiral --stages 3 --placements 1 --size 64x48 --limit 8"
+    options = "--workpieces panel --voxel-mm 2 --patterns along-x,spiral --stages 3 --placements 1 --size 64x48"
     robofin.run("dataset", "images", "--out", str(folder), *options.split())
     return folder
 
@@ -35,7 +37,8 @@ def test_the_share_seen_is_the_change_relative_to_the_contrast() -> None:
     share = seen_share(seen, unsanded, bare)
     np.testing.assert_allclose(share[0, :3], [0.0, 0.25, math.sqrt(2 / 3)], rtol=1e-5)
     assert np.isnan(share[0, 3])
-    np.testing.assert_allclose(code(np.float32([[[0.25, 1.0, 9.0]]]), 0.5), [[[0.125 ** (1 / 2.2), 0.5 ** (1 / 2.2), 1]]], rtol=1e-6)
+    codes = code(np.array([[[0.25, 1.0, 9.0]]], np.float32), 0.5)
+    np.testing.assert_allclose(codes, [[[0.125 ** (1 / 2.2), 0.5 ** (1 / 2.2), 1.0]]], rtol=1e-6)
 
 
 def test_classes_have_limits_and_a_border_that_is_ignored() -> None:
@@ -82,6 +85,19 @@ def test_the_dose_of_a_stage_grows_along_the_path(source_folder: Path) -> None:
     doses = {stage.stage: source.dose("panel", stage) for stage in stages}
     assert np.all(doses[1] <= doses[2]) and np.all(doses[2] <= doses[3])
     assert 0 < (doses[1] >= 1).sum() < (doses[3] >= 1).sum() < len(doses[3])
+
+
+def test_the_command_says_what_is_missing_or_accepted(
+    source_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["independent", "--data", str(source_folder), "--out", str(tmp_path / "set")]
+    monkeypatch.setattr("sys.argv", words)
+    monkeypatch.setattr(command, "find_spec", lambda _: None)
+    assert command.main() == 2 and "pip install 'bpy==4.5.*'" in capsys.readouterr().err
+    monkeypatch.setattr("sys.argv", [*words, "--size", "3x3"])
+    with pytest.raises(SystemExit, match="2"):
+        command.main()
+    assert "--size: 3x3: WIDTHxHEIGHT with 16 to 4096 pixels a side is accepted" in capsys.readouterr().err
 
 
 @needs_bpy
@@ -144,9 +160,10 @@ def test_an_interrupted_set_goes_on_and_has_the_layout(source_folder: Path, tmp_
         for kind in ("appearance", "dose"):
             with Image.open(out / record[kind]) as label:
                 assert label.size == SIZE and set(np.unique(np.asarray(label))) <= {0, SANDED, UNSANDED, IGNORE}
-        dose = np.asarray(Image.open(out / record["dose"]))
-        kind = record["treatment"]["kind"]
-        assert (kind == "unsanded") == (not (dose == SANDED).any()) and (kind == "bare") == (not (dose == UNSANDED).any())
+            label_of = np.asarray(Image.open(out / record[kind]))
+            state = record["treatment"]["kind"]
+            assert (state == "unsanded") == (not (label_of == SANDED).any()), kind
+            assert (state == "bare") == (not (label_of == UNSANDED).any()), kind
     assert not list(out.rglob("*.part"))
     recipe = json.loads((out / "dataset.json").read_text())
     assert recipe["format"] == "robofin-independent/1" and recipe["size"] == [64, 48] and recipe["count"] == 3
