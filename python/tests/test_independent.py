@@ -104,6 +104,7 @@ def test_the_command_says_what_is_missing_or_accepted(
 def test_the_dose_label_is_the_known_dose_of_a_half_coated_box(field: robofin.Field, tmp_path: Path) -> None:
     import bpy
 
+    from robofin_perception.independent.produce import developed
     from robofin_perception.independent.render import Raster, render
     from robofin_perception.independent.scene import SceneDraw, build
     from robofin_perception.independent.source import Surface
@@ -112,10 +113,13 @@ def test_the_dose_label_is_the_known_dose_of_a_half_coated_box(field: robofin.Fi
     positions = mesh.positions
     surface = Surface(positions, field.normal(positions), mesh.triangles, np.zeros(len(positions), np.float32))
     draw = SceneDraw.draw("a", "b")
-    pose = replace(draw.pose, turn=0.4, lean=0.0, elevation=1.2, azimuth=2.0, fill=0.8, shift=(0.1, -0.2))
-    build(replace(draw, pose=pose, clutter=()), surface, np.float32(1.5 * (positions[:, 0] > 0.03)), 4 / 3)
-    rendered = render(Raster(SIZE, 1, 1, 1), tmp_path)
-    label = labels(np.minimum(rendered.dose, 1.0), rendered.on_part)
+    pose = replace(draw.pose, turn=0.4, lean=0.0, elevation=1.2, azimuth=2.0, fill=0.8, shift=(0.1, -0.2), f_number=0.5)
+    draw = replace(draw, pose=pose, clutter=(), finish=replace(draw.finish, paint=(0.6, 0.02, 0.02), dirt=0.0))
+    build(draw, surface, np.float32(1.5 * (positions[:, 0] > 0.03)), 4 / 3)
+    rendered = render(Raster(SIZE, 4, 1, 1), tmp_path)
+    assert all((light[rendered.on_part].sum(axis=1) > 0).all() for light in (rendered.unsanded, rendered.bare))
+    made = developed(rendered, draw, tmp_path)
+    label = made.labels["dose"]
 
     # The ray through each pixel's centre meets the upper side, at z = 6 mm, at a known place.
     camera = bpy.context.scene.camera
@@ -131,6 +135,8 @@ def test_the_dose_label_is_the_known_dose_of_a_half_coated_box(field: robofin.Fi
     known = np.isin(label, (SANDED, UNSANDED)) & top & (abs(x - 0.03) > 5e-4)
     np.testing.assert_array_equal(label[known] == SANDED, x[known] > 0.03)
     assert known.sum() > 0.8 * top.sum()
+    assert all((made.labels["appearance"][top] == kind).sum() > 0.3 * top.sum() for kind in (SANDED, UNSANDED))
+    assert made.record["agreement"] > 0.95 and made.record["exposed_share"] == pytest.approx(0.5, abs=0.1)
     assert not rendered.on_part[(abs(x - 0.03) > 0.045) | (abs(y - 0.02) > 0.035)].any()
 
 
