@@ -9,8 +9,8 @@ use super::swirl::arc;
 /// Greatest number of path points that are kept: the direction of the marks varies slowly over their distance.
 pub const MOST_POINTS: usize = 48;
 
-/// Length of a pixel on the surface, relative to an orbit's radius, from which its arcs have no common direction.
-const LONGEST_PIXEL: f32 = 0.15;
+/// Length of a pixel on the surface, relative to an orbit's radius, at which half of its arcs' common direction is left.
+const LONG_PIXEL: f32 = 0.1;
 
 /// A point on a tool's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +95,8 @@ impl Marks {
             let groove = arc(point, normal, orbit, (self.width, slope)).unwrap_or(none);
             grooves.along.set(i, groove.along);
             // In a pixel that holds many arcs their directions cancel.
-            let single = 1.0 - (footprints[i] / (LONGEST_PIXEL * orbit)).clamp(0.0, 1.0);
+            let pixel = footprints[i] / (LONG_PIXEL * orbit);
+            let single = 1.0 / (1.0 + pixel * pixel);
             (grooves.tilt[i], grooves.share[i]) = (groove.tilt, groove.share * single);
         }
         grooves

@@ -138,11 +138,7 @@ fn both_tables_state_one_error_for_the_volume_of_a_pass() {
     }
     let html = page(&report);
     assert!(html.contains(">6.1 ± 2.0 %</td>") && html.contains(">6.1 %</td>"));
-    assert_eq!(
-        html.matches("the volume that each pass removed, with the scan").count(),
-        2,
-        "one name in both captions"
-    );
+    assert_eq!(html.matches("the volume that each pass removed, with scans").count(), 2, "one name in both captions");
 }
 
 #[test]

@@ -21,8 +21,7 @@ const CALIBRATION: &str = "#1f5f99";
 const EVALUATION: &str = "#e08a2e";
 
 /// Name of the removed volume whose errors the page states.
-pub(super) const VOLUME: &str =
-    "the volume that each pass removed, with scans aligned on the untouched surface,";
+pub(super) const VOLUME: &str = "the volume that each pass removed, with scans aligned on the untouched surface,";
 
 /// Appends the waterfall.
 pub(super) fn add(page: &mut Page, waterfall: &Waterfall) {
