@@ -2,10 +2,11 @@
 //!
 //! In the order of use:
 //! 1. [`Shape`]: bundled workpieces as distance functions;
-//! 2. [`Scene`]: placement, camera, light, materials and [`Look`]s, drawn at random from seeds;
-//! 3. [`shoot`]: a photograph and its labels ([`Shot`]), from comparison with the unsanded and the bare workpiece;
-//! 4. [`View`]: camera matrices, boxes, depth, normals and welds, which all photographs of a placement share;
-//! 5. [`coco`], [`yolo`]: annotations in the formats of other programs.
+//! 2. [`sand`]: the dose of a pad along a pattern, stage by stage;
+//! 3. [`Scene`]: placement, camera, light, materials and [`Look`]s, drawn at random from seeds;
+//! 4. [`shoot`]: a photograph and its labels ([`Shot`]), from comparison with the unsanded and the bare workpiece;
+//! 5. [`View`]: camera matrices, boxes, depth, normals and welds, which all photographs of a placement share;
+//! 6. [`coco`], [`yolo`]: annotations in the formats of other programs.
 //!
 //! ```
 //! use perception::{Look, Scene, Seeds, Shape, shoot};
@@ -22,6 +23,7 @@
 pub mod coco;
 mod jpeg;
 mod looks;
+mod sanding;
 mod scene;
 mod shapes;
 mod shot;
@@ -29,6 +31,7 @@ mod view;
 pub mod yolo;
 
 pub use looks::{Look, LookDraws};
+pub use sanding::{SPINDLE, SandingError, Setting, StageFigures, sand};
 pub use scene::{CameraDraw, LampDraw, MaterialDraw, NoSurface, PlacementDraw, Scene, Seeds, SensorDraw};
 pub use shapes::Shape;
 pub use shot::{Shot, shoot};
