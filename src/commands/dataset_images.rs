@@ -30,6 +30,11 @@ use crate::wrong_use;
 /// Accepted numbers of placements or stages; names of placements have two digits.
 const COUNTS: [u64; 2] = [1, 99];
 
+/// Folder, size and number of images of `--quick`.
+const QUICK_OUT: &str = "out/images-quick";
+const QUICK_SIZE: (usize, usize) = (320, 240);
+const QUICK_IMAGES: usize = 24;
+
 /// Heading of the help for flags that define the images.
 const CONTENTS: &str = "Contents";
 
@@ -39,14 +44,18 @@ const CONTENTS: &str = "Contents";
 from the flags above --limit; never from --jobs, --threads, --limit or interruptions.
 
 Examples:
+  robofin dataset images --quick
   robofin dataset images --out out/images
   robofin dataset images --out out/images --resume --jobs 8
   robofin dataset images --out out/few --placements 3 --patterns spiral,spots --size 320x240 --workpieces panel,out/bracket"
 )]
 pub(super) struct ImagesArgs {
-    /// Folder of the set.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder of the set [with --quick: out/images-quick].
+    #[arg(long, value_name = "DIR", required_unless_present = "quick")]
+    out: Option<PathBuf>,
+    /// A sample that shows every state of the coating: 24 images of 320x240.
+    #[arg(long, conflicts_with_all = ["limit", "only", "size"], help_heading = CONTENTS)]
+    quick: bool,
     /// Seed of the set: placement, camera, light, material, noise, the bracket's weld.
     #[arg(
         long,
@@ -208,6 +217,7 @@ struct PlanAnswer<'a> {
 }
 
 pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
+    let out = args.out.as_deref().unwrap_or(Path::new(QUICK_OUT));
     let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits(), args.recipe()?);
     let steps = args.steps(&recipe)?;
     let [workpieces, sandings, _, images] = steps.each_ref().map(Vec::len);
@@ -217,21 +227,21 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
         console.step("split", format!("fewer than three {held}s: all images are for training, none for tests"));
     }
     if args.dry_run {
-        return report_plan(&steps, ImageSet::open(&args.out).ok().as_ref(), console);
+        return report_plan(&steps, ImageSet::open(out).ok().as_ref(), console);
     }
-    let set = ImageSet::start(&args.out, recipe, Occupied::resumed(args.resume))?;
+    let set = ImageSet::start(out, recipe, Occupied::resumed(args.resume))?;
     let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
     let catalogue = Catalogue::update(&set)?;
-    console.step("dataset", format!("{} images listed in {}", catalogue.items, args.out.display()));
+    console.step("dataset", format!("{} images listed in {}", catalogue.items, out.display()));
     console.step("done", summaries[STEPS - 1].describe(jobs));
     let failed: usize = summaries.iter().map(|summary| summary.failed).sum();
     let [workpieces, sandings, views, images] = summaries;
-    console.answer_line(&ImagesAnswer { out: &args.out, workpieces, sandings, views, images })?;
+    console.answer_line(&ImagesAnswer { out, workpieces, sandings, views, images })?;
     match failed {
         0 => Ok(()),
         failed => bail!(
             "{failed} tasks failed; failures.jsonl in {} has reasons and command lines, --resume tries them again",
-            args.out.display()
+            out.display()
         ),
     }
 }
@@ -268,7 +278,7 @@ impl ImagesArgs {
             placements: self.placements,
             patterns,
             stages: self.stages,
-            size: self.size,
+            size: if self.quick { QUICK_SIZE } else { self.size },
             voxel_mm: self.voxel_mm,
             split_by: self.split_by,
             looks: chosen_looks(&self.looks)?,
@@ -278,7 +288,7 @@ impl ImagesArgs {
     /// Returns the tasks to do.
     fn steps(&self, recipe: &ImageRecipe) -> Result<[Vec<Task>; STEPS]> {
         let Some(id) = &self.only else {
-            let images = recipe.images_within(self.limit.unwrap_or(usize::MAX));
+            let images = recipe.images_within(if self.quick { QUICK_IMAGES } else { self.limit.unwrap_or(usize::MAX) });
             return Ok(Task::chosen(recipe, &images.into_iter().map(|image| image.id).collect()));
         };
         if Task::named(recipe, id).is_none() {

@@ -240,6 +240,12 @@ fn a_dry_run_names_everything_and_makes_nothing() {
     assert!(ids.iter().all(|answer| answer["is_there"] == false) && !out.exists());
     let whole = run(robofin(["dataset", "images", "--dry-run", "--json", "--out"]).arg(&out)).succeeds();
     assert_eq!(whole.stdout.lines().count(), 6 + 36 + 24 + 768);
+    let quick = robofin(["dataset", "images", "--quick", "--dry-run", "--json"]).current_dir(place.path()).output();
+    let quick = String::from_utf8(quick.expect("the program runs").stdout).expect("text");
+    let states = ["-unsanded\"", "-s1\"", "-s2\"", "-s3\"", "-s4\"", "-s5\"", "-bare\""];
+    let counts = states.map(|state| quick.matches(state).count());
+    assert_eq!(counts.iter().sum::<usize>(), 24, "{counts:?}");
+    assert!(counts.iter().all(|&count| count > 0), "{counts:?}");
 }
 
 #[test]
