@@ -5,14 +5,21 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 
-use super::coco::{self, Annotation};
 use super::plan::{Planned, Split};
 use super::record::{ImageRecord, file_path};
-use super::{APPEARANCE_FOLDER, DOSE_FOLDER, ImageRecipe, ImageSet, card, check, contact_sheet};
+use super::{APPEARANCE_FOLDER, DOSE_FOLDER, IMAGES_FOLDER, ImageRecipe, ImageSet, card, check, contact_sheet};
 use crate::store::catalogue::{CARD_FILE, CONTACT_FILE, Catalogue, Described, FAILURES_FILE, lines};
+use export::coco::{self, Annotation, Category, Image};
+use render::label::{SANDED, UNSANDED};
 
 /// Name of the file with one line of JSON for each image.
 pub const METADATA_FILE: &str = "metadata.jsonl";
+
+/// Classes of the labels.
+const CATEGORIES: [Category; 2] = [
+    Category { id: SANDED, name: "sanded", supercategory: "coating" },
+    Category { id: UNSANDED, name: "unsanded", supercategory: "coating" },
+];
 
 /// COCO files of each kind of label, one for each split in the order of [`Split::ALL`].
 const ANNOTATIONS: [(&str, [&str; 3]); 2] = [
@@ -55,13 +62,18 @@ impl Described for ImageRecipe {
 
 /// Writes the COCO file of one kind of label in one split.
 fn annotations(set: &ImageSet, (folder, split): (&str, Split), records: &[ImageRecord]) -> Result<Vec<u8>> {
-    let size = set.recipe.size;
-    let records: Vec<&ImageRecord> = records.iter().filter(|record| record.split == split).collect();
-    let of = |record: &&ImageRecord| -> Result<Vec<Annotation>> {
-        Ok(coco::annotations(record.number, size, &set.read_labels(folder, &record.id)?))
+    let (width, height) = set.recipe.size;
+    let of = |record: &&ImageRecord| -> Result<(Image, Vec<Annotation>)> {
+        let file_name = file_path(IMAGES_FOLDER, &record.id);
+        let image = Image { id: record.number, file_name, width, height };
+        let annotations = coco::annotations(&image, &set.read_labels(folder, &record.id)?, &CATEGORIES);
+        Ok((image, annotations))
     };
-    let annotations = records.par_iter().map(of).collect::<Result<Vec<_>>>()?.concat();
-    coco::write(&format!("RoboFin, labels by {folder}, {}", split.name()), size, &records, &annotations)
+    let records: Vec<&ImageRecord> = records.iter().filter(|record| record.split == split).collect();
+    let annotated = records.par_iter().map(of).collect::<Result<Vec<_>>>()?;
+    let (images, annotations): (Vec<Image>, Vec<Vec<Annotation>>) = annotated.into_iter().unzip();
+    let description = format!("RoboFin, labels by {folder}, {}", split.name());
+    Ok(coco::write(&description, &images, &annotations.concat(), &CATEGORIES)?)
 }
 
 impl ImageSet {

@@ -20,7 +20,6 @@
 mod card;
 mod catalogue;
 pub mod check;
-pub mod coco;
 mod contact_sheet;
 pub mod make;
 mod order;
