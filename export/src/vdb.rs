@@ -252,3 +252,53 @@ pub fn read_vdb_names(bytes: &[u8]) -> Option<Vec<String>> {
     }
     (at == bytes.len()).then_some(names)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sdf_bake::nvdb::{Checksum, Tile};
+
+    fn grid(name: &str) -> NvdbGrid {
+        let tile =
+            |voxel: i32, side_log2: u32| Tile { voxel: IVec3::splat(voxel), side_log2, value: -3.0, active: false };
+        let values = Values::Float(Tree {
+            background: 3.0,
+            leaves: vec![IVec3::new(-1, 0, 2)],
+            active: vec![[1; 8]],
+            values: (0..512_u16).map(f32::from).collect(),
+            tiles: vec![tile(8, 3), tile(-128, 7), tile(4096, 12)],
+        });
+        NvdbGrid {
+            name: name.to_owned(),
+            class: GridClass::LevelSet,
+            voxel: 0.5,
+            translation: DVec3::ZERO,
+            index_bbox: None,
+            world_bbox: None,
+            active_voxels: 8,
+            checksum: Checksum::Matches,
+            values,
+        }
+    }
+
+    #[test]
+    fn a_file_has_the_names_of_its_grids_and_a_cut_one_has_none() {
+        let bytes = write_vdb(&[&grid("phi"), &grid("target")]);
+        assert_eq!(read_vdb_names(&bytes), Some(vec!["phi".to_owned(), "target".to_owned()]));
+        for length in (0..bytes.len()).step_by(101) {
+            assert_eq!(read_vdb_names(&bytes[..length]), None, "cut at {length}");
+        }
+    }
+
+    #[test]
+    fn leaves_and_tiles_lie_below_their_nodes() {
+        let Values::Float(tree) = grid("phi").values else { panic!("a float grid") };
+        let uppers = uppers(&tree);
+        // Upper nodes at x below zero for the leaf, and at zero and below zero for the tiles; the root tile has none.
+        assert_eq!(uppers.keys().copied().collect::<Vec<_>>(), [[-1, -1, -1], [-1, 0, 0], [0, 0, 0]]);
+        assert_eq!(uppers[&[-1, -1, -1]].tiles[&(31 << 10 | 31 << 5 | 31)], (-3.0, false));
+        let lower = &uppers[&[-1, 0, 0]].children[&(31 << 10)];
+        assert_eq!(lower.children[&(15 << 8 | 2)], 0);
+        assert_eq!(uppers[&[0, 0, 0]].children[&0].tiles[&(1 << 8 | 1 << 4 | 1)], (-3.0, false));
+    }
+}
