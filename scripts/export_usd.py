@@ -1,9 +1,10 @@
 """Writes welded.usdc from welded.glb and welds.json in asset folders, and checks what it wrote.
 
-    python export_usd.py JOB.json        JOB: {"generator": "RoboFin 0.1.0", "assets": ["DIR", ...]}
+    python export_usd.py JOB.json        JOB: {"generator": "RoboFin 0.1.0", "origin": {...}, "assets": ["DIR", ...]}
 
 Prints one line of JSON: {"files": [{"path", "prims", "bbox", "errors"}, ...]} in the job's order. An asset that fails
-has its reason in `errors` and does not stop the others. Same input, same bytes. Layout: docs/usd.md.
+has its reason in `errors` and does not stop the others. Same input, same bytes. `origin` maps names to texts for the
+layer's custom data. Mass and inertia come from mass.json, if the folder has it. Layout: docs/usd.md.
 """
 
 import json
@@ -11,15 +12,18 @@ import os
 import sys
 
 import numpy
-from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, Vt
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdVol, Vt
 
 import check_usd
 import glb
 
 STEEL_DENSITY = 7850.0  # kg/m^3
+VDB_FILE = "fields.vdb"
+# Dry steel on steel, Coulomb friction; restitution of a slow impact.
+STATIC_FRICTION, DYNAMIC_FRICTION, RESTITUTION = 0.6, 0.4, 0.3
 
 
-def export(folder, generator):
+def export(folder, custom_data):
     """Writes one asset's stage and returns the report on it."""
     path = os.path.join(folder, "welded.usdc")
     unfinished = os.path.join(folder, "welded.unfinished.usdc")
@@ -27,7 +31,10 @@ def export(folder, generator):
         parts = glb.read(os.path.join(folder, "welded.glb"))
         with open(os.path.join(folder, "welds.json"), encoding="utf-8") as file:
             welds = json.load(file)["welds"]
-        stage = build(parts, welds, generator)
+        stage = build(parts, welds, read_mass(folder))
+        if os.path.exists(os.path.join(folder, VDB_FILE)):
+            define_volume(stage)
+        stage.GetRootLayer().customLayerData = custom_data
         stage.GetRootLayer().Export(unfinished)
     except Exception as error:  # whatever is wrong with one asset, the others are still written
         return check_usd.report(path, errors=[f"{type(error).__name__}: {error}"])
@@ -35,7 +42,16 @@ def export(folder, generator):
     return check_usd.check(path)
 
 
-def build(parts, welds, generator):
+def read_mass(folder):
+    """The mass properties of an asset, or None."""
+    path = os.path.join(folder, "mass.json")
+    if not os.path.exists(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def build(parts, welds, mass):
     """The stage of one welded workpiece: m, kg, z up."""
     stage = Usd.Stage.CreateInMemory("welded.usdc")
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -43,10 +59,9 @@ def build(parts, welds, generator):
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
     root = UsdGeom.Xform.Define(stage, "/workpiece").GetPrim()
     stage.SetDefaultPrim(root)
-    stage.GetRootLayer().customLayerData = {"generator": generator}
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     UsdPhysics.RigidBodyAPI.Apply(root)
-    UsdPhysics.MassAPI.Apply(root).CreateDensityAttr(STEEL_DENSITY)
+    define_mass(root, mass)
     label(root, "workpiece")
     materials = define_materials(stage, parts)
     for part in parts:
@@ -56,8 +71,20 @@ def build(parts, welds, generator):
     return stage
 
 
+def define_mass(prim, mass):
+    """Density and, if known, mass, centre, principal moments and axes; a simulator then computes none of them."""
+    api = UsdPhysics.MassAPI.Apply(prim)
+    api.CreateDensityAttr(mass["density"] if mass else STEEL_DENSITY)
+    if mass:
+        x, y, z, w = mass["principal_axes"]
+        api.CreateMassAttr(mass["mass"])
+        api.CreateCenterOfMassAttr(Gf.Vec3f(mass["centre"]))
+        api.CreateDiagonalInertiaAttr(Gf.Vec3f(mass["principal_moments"]))
+        api.CreatePrincipalAxesAttr(Gf.Quatf(w, x, y, z))
+
+
 def define_materials(stage, parts):
-    """One UsdPreviewSurface material for each glTF material in use, by name."""
+    """One UsdPreviewSurface material, also of steel for physics, for each glTF material in use, by name."""
     UsdGeom.Scope.Define(stage, "/workpiece/materials")
     materials = {}
     for source in {part.material["name"]: part.material for part in parts}.values():
@@ -73,6 +100,10 @@ def define_materials(stage, parts):
         for name, kind, value in inputs:
             shader.CreateInput(name, kind).Set(value)
         material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+        physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+        physics.CreateStaticFrictionAttr(STATIC_FRICTION)
+        physics.CreateDynamicFrictionAttr(DYNAMIC_FRICTION)
+        physics.CreateRestitutionAttr(RESTITUTION)
         materials[source["name"]] = material
     return materials
 
@@ -98,6 +129,7 @@ def define_part(stage, part, material):
     collision = UsdPhysics.MeshCollisionAPI.Apply(prim)
     collision.CreateApproximationAttr(UsdPhysics.Tokens.convexDecomposition)
     label(prim, part.material["name"])
+    UsdSemantics.LabelsAPI.Apply(prim, "instance").CreateLabelsAttr([part.name])
 
 
 def define_centreline(stage, weld):
@@ -122,6 +154,24 @@ def define_centreline(stage, weld):
     label(curves.GetPrim(), "weld_centreline")
 
 
+def define_volume(stage):
+    """The fields as a guide, like the centrelines: the meshes are what is rendered."""
+    volume = UsdVol.Volume.Define(stage, "/workpiece/fields")
+    volume.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    boxes = [UsdGeom.Mesh(prim).GetExtentAttr().Get() for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    volume.CreateExtentAttr(
+        Vt.Vec3fArray.FromNumpy(numpy.stack([numpy.min(boxes, axis=(0, 1)), numpy.max(boxes, axis=(0, 1))]))
+    )
+    for name, kind in [("phi", "levelSet"), ("target", "levelSet"), ("weld_share", "fogVolume")]:
+        field = UsdVol.OpenVDBAsset.Define(stage, f"/workpiece/fields/{name}")
+        field.CreateFilePathAttr(Sdf.AssetPath(f"./{VDB_FILE}"))
+        field.CreateFieldNameAttr(name)
+        field.CreateFieldClassAttr(kind)
+        field.CreateFieldDataTypeAttr("float")
+        volume.CreateFieldRelationship(name, field.GetPath())
+    label(volume.GetPrim(), "fields")
+
+
 def label(prim, name):
     """The semantic class, by the official schema and by the attributes that Isaac Sim read before it."""
     UsdSemantics.LabelsAPI.Apply(prim, "class").CreateLabelsAttr([name])
@@ -134,7 +184,8 @@ def label(prim, name):
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         job = json.load(file)
-    print(json.dumps({"files": [export(folder, job["generator"]) for folder in job["assets"]]}))
+    custom_data = {"generator": job["generator"], **job["origin"]}
+    print(json.dumps({"files": [export(folder, custom_data) for folder in job["assets"]]}))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@
 //! stored positions are in the part's frame, in metres. Every vertex has `_WELD_ID` (0 for the base, else the weld's
 //! number) as an unsigned short. The same parts give the same bytes.
 
+mod quantized;
+
 use glam::Vec3;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Stride, Target};
@@ -17,6 +19,9 @@ use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value};
 
 use super::shading::{CREASE_ANGLE, ShadedMesh, shade};
+
+pub use quantized::write_quantized_glb;
+pub(crate) use quantized::{QUANTIZATION, QUANTIZATION_STEPS};
 
 /// Program and version, written into files.
 pub const GENERATOR: &str = concat!("RoboFin ", env!("CARGO_PKG_VERSION"));
@@ -160,6 +165,7 @@ struct Array<'a> {
     count: usize,
     component: ComponentType,
     kind: Type,
+    normalized: bool,
     bounds: Option<[Value; 2]>,
 }
 
@@ -174,7 +180,7 @@ impl Glb {
     fn push_primitive(
         &mut self,
         part: &GlbPart<'_>,
-        materials: &[(GlbMaterial, Index<json::Material>)],
+        materials: &Materials,
     ) -> Result<json::mesh::Primitive, GlbWriteError> {
         check(part)?;
         let shaded: ShadedMesh = shade(part.mesh, CREASE_ANGLE);
@@ -184,28 +190,20 @@ impl Glb {
         let position = self.push_vectors(&shaded.positions, true);
         let normal = self.push_vectors(&shaded.normals, false);
         let weld_id = self.push_weld_ids(part.weld_id, shaded.positions.len());
-        let indices = self.push_array(Array {
-            bytes: bytemuck::cast_slice(&shaded.triangles),
+        let indices = self.push_indices(&shaded.triangles);
+        Ok(primitive([position, normal, weld_id, indices], part.material, materials))
+    }
+
+    fn push_indices(&mut self, triangles: &[[u32; 3]]) -> Index<json::Accessor> {
+        self.push_array(Array {
+            bytes: bytemuck::cast_slice(triangles),
             stride: None,
             target: Target::ElementArrayBuffer,
-            count: 3 * shaded.triangles.len(),
+            count: 3 * triangles.len(),
             component: ComponentType::U32,
             kind: Type::Scalar,
+            normalized: false,
             bounds: None,
-        });
-        let attributes = [
-            (Semantic::Positions, position),
-            (Semantic::Normals, normal),
-            (Semantic::Extras("WELD_ID".to_owned()), weld_id),
-        ];
-        Ok(json::mesh::Primitive {
-            attributes: attributes.into_iter().map(|(name, array)| (Checked::Valid(name), array)).collect(),
-            extensions: None,
-            extras: None,
-            indices: Some(indices),
-            material: materials.iter().find(|(kind, _)| *kind == part.material).map(|&(_, index)| index),
-            mode: Checked::Valid(json::mesh::Mode::Triangles),
-            targets: None,
         })
     }
 
@@ -233,6 +231,7 @@ impl Glb {
             count: vectors.len(),
             component: ComponentType::F32,
             kind: Type::Vec3,
+            normalized: false,
             bounds,
         })
     }
@@ -247,6 +246,7 @@ impl Glb {
             count,
             component: ComponentType::U16,
             kind: Type::Scalar,
+            normalized: false,
             bounds: Some([vec![weld_id].into(), vec![weld_id].into()]),
         })
     }
@@ -273,7 +273,7 @@ impl Glb {
             min,
             max,
             name: None,
-            normalized: false,
+            normalized: array.normalized,
             sparse: None,
             extensions: None,
             extras: None,
@@ -312,6 +312,31 @@ impl Glb {
             bin: Some(self.bytes.into()),
         };
         container.to_vec().map_err(|_| GlbWriteError::TooLarge { bytes })
+    }
+}
+
+/// Materials of a file, with their indices.
+type Materials = [(GlbMaterial, Index<json::Material>)];
+
+/// Returns a primitive of triangles from its arrays: positions, normals, weld ids and indices.
+fn primitive(
+    [position, normal, weld_id, indices]: [Index<json::Accessor>; 4],
+    material: GlbMaterial,
+    materials: &Materials,
+) -> json::mesh::Primitive {
+    let attributes = [
+        (Semantic::Positions, position),
+        (Semantic::Normals, normal),
+        (Semantic::Extras("WELD_ID".to_owned()), weld_id),
+    ];
+    json::mesh::Primitive {
+        attributes: attributes.into_iter().map(|(name, array)| (Checked::Valid(name), array)).collect(),
+        extensions: None,
+        extras: None,
+        indices: Some(indices),
+        material: materials.iter().find(|(kind, _)| *kind == material).map(|&(_, index)| index),
+        mode: Checked::Valid(json::mesh::Mode::Triangles),
+        targets: None,
     }
 }
 

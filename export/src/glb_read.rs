@@ -8,6 +8,8 @@ use gltf::accessor::{DataType, Dimensions, Iter};
 use gltf::{Document, Glb, Primitive, Semantic};
 use sdf_bake::Mesh;
 
+use crate::glb::QUANTIZATION;
+
 /// A part, or a piece of a surface, read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadPart {
@@ -70,8 +72,9 @@ pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
     }
     let mut parts = Vec::new();
     for mesh in file.meshes() {
+        let place = placement(&file, &mesh);
         for primitive in mesh.primitives() {
-            parts.push(read_part(&mesh, &primitive, binary)?);
+            parts.push(read_part(&mesh, &primitive, place, binary)?);
         }
     }
     if parts.is_empty() { Err(GlbReadError::NoGeometry) } else { Ok(parts) }
@@ -82,7 +85,7 @@ pub fn read_glb(bytes: &[u8]) -> Result<Vec<ReadPart>, GlbReadError> {
 /// The validation in gltf-json 1.4 looks up accessors before it checks their indices, and panics; so the indices are
 /// checked first.
 fn document(header: &[u8]) -> Result<Document, GlbReadError> {
-    let root: gltf_json::Root = gltf_json::deserialize::from_slice(header).map_err(gltf::Error::Deserialize)?;
+    let mut root: gltf_json::Root = gltf_json::deserialize::from_slice(header).map_err(gltf::Error::Deserialize)?;
     for mesh in &root.meshes {
         let mut arrays = mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values());
         if arrays.any(|array| array.value() >= root.accessors.len()) {
@@ -90,10 +93,27 @@ fn document(header: &[u8]) -> Result<Document, GlbReadError> {
             return Err(GlbReadError::Attribute { mesh, attribute: "an accessor" });
         }
     }
+    // The crate refuses extensions that it does not implement itself; this one is read below.
+    root.extensions_required.retain(|name| name != QUANTIZATION);
     Ok(Document::from_json(root)?)
 }
 
-fn read_part(mesh: &gltf::Mesh<'_>, primitive: &Primitive<'_>, binary: &[u8]) -> Result<ReadPart, GlbReadError> {
+/// Translation [m] and scale of a mesh's node, which place quantized positions in the part's frame.
+type Placement = [DVec3; 2];
+
+fn placement(file: &Document, mesh: &gltf::Mesh<'_>) -> Placement {
+    let node = file.nodes().find(|node| node.mesh().is_some_and(|other| other.index() == mesh.index()));
+    let (translation, _, scale) =
+        node.map_or_else(|| ([0.0; 3], [0.0; 4], [1.0; 3]), |node| node.transform().decomposed());
+    [translation, scale].map(|vector| Vec3::from(vector).as_dvec3())
+}
+
+fn read_part(
+    mesh: &gltf::Mesh<'_>,
+    primitive: &Primitive<'_>,
+    [translation, scale]: Placement,
+    binary: &[u8],
+) -> Result<ReadPart, GlbReadError> {
     let name = mesh.name().unwrap_or_default().to_owned();
     let missing = |attribute| GlbReadError::Attribute { mesh: name.clone(), attribute };
     let positions = vectors(primitive, &Semantic::Positions, binary).ok_or_else(|| missing("POSITION"))?;
@@ -102,7 +122,8 @@ fn read_part(mesh: &gltf::Mesh<'_>, primitive: &Primitive<'_>, binary: &[u8]) ->
     let triangles = triangles(primitive, binary).ok_or_else(|| missing("indices"))?;
     let fault = fault_in_numbers(&positions, &normals, &triangles)
         .or_else(|| fault_in_weld_ids(&weld_ids, positions.len()))
-        .or_else(|| fault_in_bounds(primitive, &positions));
+        .or_else(|| fault_in_bounds(primitive, &positions))
+        .or_else(|| (!(translation + scale).is_finite()).then_some("a position is not finite"));
     if let Some(fault) = fault {
         return Err(GlbReadError::Values { mesh: name, fault });
     }
@@ -110,7 +131,7 @@ fn read_part(mesh: &gltf::Mesh<'_>, primitive: &Primitive<'_>, binary: &[u8]) ->
         name,
         weld_id: weld_ids[0],
         material: primitive.material().name().unwrap_or_default().to_owned(),
-        mesh: Mesh { positions: positions.iter().map(|p: &Vec3| p.as_dvec3()).collect::<Vec<DVec3>>(), triangles },
+        mesh: Mesh { positions: positions.iter().map(|p| translation + scale * p.as_dvec3()).collect(), triangles },
         normals,
     })
 }
@@ -145,8 +166,21 @@ fn fault_in_bounds(primitive: &Primitive<'_>, positions: &[Vec3]) -> Option<&'st
 
 fn vectors(primitive: &Primitive<'_>, semantic: &Semantic, binary: &[u8]) -> Option<Vec<Vec3>> {
     let accessor = primitive.get(semantic)?;
-    let typed = accessor.data_type() == DataType::F32 && accessor.dimensions() == Dimensions::Vec3;
-    array::<[f32; 3]>(typed, accessor, binary).map(|values| values.into_iter().map(Vec3::from).collect())
+    let is_vector = accessor.dimensions() == Dimensions::Vec3;
+    match (accessor.data_type(), semantic) {
+        (DataType::U16, Semantic::Positions) => {
+            let steps = array::<[u16; 3]>(is_vector && !accessor.normalized(), accessor, binary)?;
+            Some(steps.into_iter().map(|step| Vec3::from(step.map(f32::from))).collect())
+        }
+        (DataType::I8, Semantic::Normals) => {
+            let normals = array::<[i8; 3]>(is_vector && accessor.normalized(), accessor, binary)?;
+            Some(normals.into_iter().map(|normal| Vec3::from(normal.map(f32::from)).normalize_or_zero()).collect())
+        }
+        (kind, _) => {
+            let vectors = array::<[f32; 3]>(is_vector && kind == DataType::F32, accessor, binary)?;
+            Some(vectors.into_iter().map(Vec3::from).collect())
+        }
+    }
 }
 
 fn weld_ids(primitive: &Primitive<'_>, binary: &[u8]) -> Option<Vec<u16>> {

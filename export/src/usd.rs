@@ -3,6 +3,7 @@
 //! One Python process serves a whole batch, because starting it takes longer than writing a stage. For the layout of a
 //! stage see `docs/usd.md`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -33,10 +34,16 @@ struct Reports {
 /// Writes `welded.usdc` into each asset folder from its `welded.glb` and `welds.json`, and checks it.
 ///
 /// The reports are in the order of `assets`; a folder that fails has errors in its report and does not stop the others.
-pub fn export(assets: &[PathBuf], python: &Python) -> Result<Vec<UsdReport>, PythonError> {
+/// `origin` is written to the custom data of the layers: texts by name.
+pub fn export(
+    assets: &[PathBuf],
+    origin: &BTreeMap<&str, String>,
+    python: &Python,
+) -> Result<Vec<UsdReport>, PythonError> {
     let io = |source| PythonError::Io { what: "writing the job for the USD export".to_owned(), source };
     let mut job = tempfile::Builder::new().prefix("robofin-usd-").suffix(".json").tempfile().map_err(io)?;
-    let text = json!({ "generator": GENERATOR, "assets": assets.iter().map(|p| absolute(p)).collect::<Vec<_>>() });
+    let assets: Vec<PathBuf> = assets.iter().map(|path| absolute(path)).collect();
+    let text = json!({ "generator": GENERATOR, "origin": origin, "assets": assets });
     job.write_all(text.to_string().as_bytes()).map_err(io)?;
     reports(Script::ExportUsd, python.run_script(Script::ExportUsd, [job.path()])?)
 }

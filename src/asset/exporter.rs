@@ -1,5 +1,6 @@
 //! Exporters: the name of each file of an asset, its writer and its check.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
@@ -8,6 +9,8 @@ use super::check::{Opened, Validation};
 use super::{Extras, Welds};
 use crate::console::Console;
 use crate::workpiece::Workpiece;
+use export::models::Models;
+use export::surface::WeldedSurface;
 
 /// A type of file written into every asset.
 pub trait Exporter {
@@ -39,6 +42,12 @@ pub struct Content<'a> {
     pub workpiece: &'a Workpiece,
     /// Ground truth of its welds.
     pub truth: &'a Welds,
+    /// Surface of the workpiece.
+    pub surface: &'a WeldedSurface,
+    /// Contents of the files that follow from the surface; `None` leaves them out.
+    pub models: Option<Models<'a>>,
+    /// Source file of the part, its hash, the seed: texts by name, for files that hold custom data.
+    pub origin: BTreeMap<&'static str, String>,
     /// Settings of the picture and of USD.
     pub extras: Extras,
     /// Console for messages on files left out.

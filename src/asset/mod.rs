@@ -22,6 +22,9 @@ use serde::Serialize;
 use crate::console::Console;
 use crate::picture::{SAMPLES_PER_SIDE, VIEW_SIZE};
 use crate::workpiece::{WeldingOptions, Workpiece};
+use export::mass::STEEL_DENSITY;
+use export::models::Models;
+use export::surface::WeldedSurface;
 use files::folder::StagedFolder;
 use files::output::FolderKind;
 
@@ -55,6 +58,13 @@ pub const EXPORTS: &[Export] = &[
     Export::of::<volumes::WeldLabels>(),
     Export::of::<truth::Truth>(),
     Export::of::<preview::Preview>(),
+    Export::of::<surface::Model<0>>(),
+    Export::of::<surface::Model<1>>(),
+    Export::of::<surface::Model<2>>(),
+    Export::of::<surface::Model<3>>(),
+    Export::of::<surface::Model<4>>(),
+    Export::of::<surface::Model<5>>(),
+    Export::of::<volumes::Vdb>(),
     Export::of::<usd::Usd>(),
 ];
 
@@ -71,9 +81,15 @@ pub const ASSET_NAMES: &[&str] = &{
 /// Kind of an asset's folder.
 pub const ASSET: FolderKind = FolderKind { marker: MANIFEST_FILE, key: "baking", names: &[("", ASSET_NAMES)] };
 
-/// Settings of the picture and of the USD file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Settings of the picture, of the USD file and of the files that follow from the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extras {
+    /// Density [kg/m³] for the mass; `None` leaves out all files of [`export::models`].
+    pub density: Option<f64>,
+    /// True for light meshes and robot models, which take about as long as all other files together.
+    pub models: bool,
+    /// True for `fields.vdb`, which is as large as all other files together.
+    pub vdb: bool,
     /// Mode of the USD file.
     pub usd: UsdMode,
     /// Width and height of the picture [pixels].
@@ -83,9 +99,16 @@ pub struct Extras {
 }
 
 impl Extras {
-    /// Settings with a large picture, and USD as requested.
+    /// Settings with a large picture, steel, and USD as requested.
     pub fn full(usd: UsdMode) -> Self {
-        Self { usd, preview: VIEW_SIZE, samples_per_side: SAMPLES_PER_SIDE }
+        Self {
+            density: Some(STEEL_DENSITY),
+            models: false,
+            vdb: false,
+            usd,
+            preview: VIEW_SIZE,
+            samples_per_side: SAMPLES_PER_SIDE,
+        }
     }
 }
 
@@ -101,7 +124,15 @@ pub fn write(
     console: &Console,
 ) -> Result<PathBuf> {
     let truth = &Welds::of(&workpiece.welds);
-    let content = Content { workpiece, truth, extras, console };
+    let surface = &WeldedSurface::of(&workpiece.welded, &workpiece.target);
+    let models = |density| {
+        Models::of(surface, workpiece.welded.voxel, density).context("the surface of the part encloses no volume")
+    };
+    let models = extras.density.map(models).transpose()?;
+    let (source, seed) = (&workpiece.part.source, options.seed.to_string());
+    let origin =
+        BTreeMap::from([("source", source.file.clone()), ("source_sha256", source.sha256.clone()), ("seed", seed)]);
+    let content = Content { workpiece, truth, surface, models, origin, extras, console };
     for export in EXPORTS {
         (export.write)(&content, &folder.path().join(export.file))?;
     }

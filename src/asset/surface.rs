@@ -1,65 +1,57 @@
-//! Surface of the welded workpiece as one mesh.
+//! Surface of the welded workpiece as one mesh, and the files that follow from it.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use sdf_bake::{BrickGrid, Mesh};
+use files::input::{self, MOST_MESH_BYTES};
 
 use super::SURFACE_FILE;
+use super::check::{Check, Opened, Validation};
 use super::exporter::{Content, Exporter};
 use super::meshes::GLB;
-use crate::workpiece::Workpiece;
-use export::glb::{GlbMaterial, GlbPart, write_surface_glb};
-
-/// Least distance of a triangle's centre outside the bare part for weld metal [voxels].
-const OFF_PART: f32 = 0.1;
+use export::models::{MODEL_FILES, Reference};
+use export::surface::WeldedSurface;
 
 /// Exporter of `surface.glb`: the surface, in pieces by weld id.
 pub(super) struct Surface;
+/// Exporter of a row of [`MODEL_FILES`]: mass, light meshes, robot models.
+pub(super) struct Model<const ROW: usize>;
 
 impl Exporter for Surface {
     const FILE: &'static str = SURFACE_FILE;
     const MEDIA_TYPE: &'static str = GLB;
 
     fn write(content: &Content<'_>, place: &Path) -> Result<()> {
-        let Workpiece { welded, target, .. } = content.workpiece;
-        let pieces = pieces(&welded.surface_mesh(), welded, target);
-        let parts: Vec<GlbPart<'_>> = pieces
-            .iter()
-            .map(|(&weld_id, mesh)| {
-                let material = if weld_id == 0 { GlbMaterial::Base } else { GlbMaterial::Weld };
-                GlbPart { name: SURFACE_NAME, mesh, weld_id, material }
-            })
-            .collect();
-        let bytes = write_surface_glb(SURFACE_NAME, &parts)?;
-        fs::write(place, bytes).with_context(|| SURFACE_FILE.to_owned())
+        fs::write(place, content.surface.write_glb()?).with_context(|| SURFACE_FILE.to_owned())
     }
 }
 
-/// Name of the mesh.
-const SURFACE_NAME: &str = "surface";
+impl<const ROW: usize> Exporter for Model<ROW> {
+    const FILE: &'static str = MODEL_FILES[ROW].file;
+    const MEDIA_TYPE: &'static str = MODEL_FILES[ROW].media_type;
+    const ALWAYS: bool = false;
 
-/// Splits the triangles by weld id; each piece has its own vertices.
-fn pieces(surface: &Mesh, welded: &BrickGrid, target: &BrickGrid) -> BTreeMap<u16, Mesh> {
-    let off_part = OFF_PART * welded.voxel as f32;
-    let mut pieces: BTreeMap<u16, (Mesh, Vec<u32>)> = BTreeMap::new();
-    for (triangle, corners) in surface.triangles.iter().enumerate() {
-        let [a, b, c] = surface.corners(triangle);
-        let middle = (a + b + c) / 3.0;
-        let label = welded.label(middle);
-        let id = if label != 0 && target.sample(middle) > off_part { label } else { 0 };
-        let (piece, known) =
-            pieces.entry(id).or_insert_with(|| (Mesh::default(), vec![u32::MAX; surface.positions.len()]));
-        piece.triangles.push(corners.map(|vertex| {
-            let place = &mut known[vertex as usize];
-            if *place == u32::MAX {
-                *place = piece.positions.len() as u32;
-                piece.positions.push(surface.positions[vertex as usize]);
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        match &content.models {
+            Some(models) if content.extras.models || !MODEL_FILES[ROW].slow => {
+                Ok(fs::write(place, (MODEL_FILES[ROW].write)(models)?)?)
             }
-            *place
-        }));
+            _ => Ok(()),
+        }
     }
-    pieces.into_iter().map(|(id, (piece, _))| (id, piece)).collect()
+
+    fn check(opened: &Opened<'_>, found: &mut Validation) -> Result<()> {
+        let (Some(meshes), Some(fields)) = (&opened.meshes, &opened.fields) else { return Ok(()) };
+        if opened.manifest.files.contains_key(Self::FILE) {
+            let pieces = meshes.surface.iter().map(|piece| (piece.weld_id, piece.mesh.clone())).collect();
+            let reference = Reference { surface: WeldedSurface { pieces }, voxel: fields.welded.voxel };
+            let bytes = input::read(&opened.folder.join(Self::FILE), MOST_MESH_BYTES).map_err(|e| e.to_string());
+            let result = bytes.and_then(|bytes| (MODEL_FILES[ROW].check)(&bytes, &reference));
+            let passed = result.is_ok();
+            let figures = result.unwrap_or_else(|fault| fault);
+            found.checks.push(Check::new(Self::FILE, "agrees with surface.glb", passed, figures));
+        }
+        Ok(())
+    }
 }

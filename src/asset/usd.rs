@@ -48,7 +48,7 @@ impl Exporter for Usd {
             Err(error) => return Err(error).context(format!("{USD_FILE} is required")),
         };
         let folder = place.parent().map(PathBuf::from).unwrap_or_default();
-        for report in usd::export(&[folder], &python)? {
+        for report in usd::export(&[folder], &content.origin, &python)? {
             if !report.errors.is_empty() {
                 bail!("{USD_FILE} is not clean under usd-core's validators: {}", report.errors.join("; "));
             }

@@ -8,8 +8,10 @@ use files::input::{self, MOST_MESH_BYTES};
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Checksum, Codec, GridRef, NvdbFile, NvdbGrid};
 
+use super::check::{Check, Opened, Validation};
 use super::exporter::{Content, Exporter};
 use crate::workpiece::Workpiece;
+use export::vdb::{read_vdb_names, write_vdb};
 
 /// Level sets `phi` (welded workpiece) and `target` (bare part) [m].
 pub const PHI_FILE: &str = "phi.nvdb";
@@ -30,8 +32,10 @@ pub struct AssetFields {
 pub(super) struct Phi;
 /// Exporter of `weld.nvdb`: the weld of each voxel.
 pub(super) struct WeldLabels;
+/// Exporter of `fields.vdb`: the grids of both files as OpenVDB.
+pub(super) struct Vdb;
 
-/// Media type of the NanoVDB files; none is registered for NanoVDB.
+/// Media type of the files with fields; none is registered for NanoVDB or OpenVDB.
 const NANOVDB: &str = "application/octet-stream";
 
 impl Exporter for Phi {
@@ -57,6 +61,33 @@ impl Exporter for WeldLabels {
             GridRef::Density { name: "weld_share", grid: welded, values: &share },
         ];
         Ok(fs::write(place, nvdb::write(&weld, Codec::Zip)?)?)
+    }
+}
+
+impl Exporter for Vdb {
+    const FILE: &'static str = "fields.vdb";
+    const MEDIA_TYPE: &'static str = NANOVDB;
+    const ALWAYS: bool = false;
+
+    fn write(content: &Content<'_>, place: &Path) -> Result<()> {
+        if content.extras.vdb {
+            let folder = place.parent().unwrap_or(place);
+            let files = [read(folder, PHI_FILE)?, read(folder, WELD_FILE)?];
+            let grids: Vec<&NvdbGrid> = files.iter().flat_map(|file| &file.grids).collect();
+            fs::write(place, write_vdb(&grids))?;
+        }
+        Ok(())
+    }
+
+    fn check(opened: &Opened<'_>, found: &mut Validation) -> Result<()> {
+        if opened.manifest.files.contains_key(Self::FILE) {
+            let bytes = input::read(&opened.folder.join(Self::FILE), MOST_MESH_BYTES).unwrap_or_default();
+            let names = read_vdb_names(&bytes).unwrap_or_default();
+            let complete = names == ["phi", "target", "weld_id", "weld_share"];
+            let rule = "is complete, with the grids of both NanoVDB files";
+            found.checks.push(Check::new(Self::FILE, rule, complete, names.join(", ")));
+        }
+        Ok(())
     }
 }
 

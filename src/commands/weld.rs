@@ -15,6 +15,7 @@ use crate::asset::{self, ASSET, Extras, Manifest, UsdMode};
 use crate::console::Console;
 use crate::part::Part;
 use crate::workpiece::{WeldSettings, WeldingOptions, weld_part};
+use export::mass::STEEL_DENSITY;
 use files::folder::StagedFolder;
 
 /// Heading of the help for the weld's curve.
@@ -43,6 +44,21 @@ pub(super) struct WeldArgs {
     /// USD file: auto makes it if Python can be had, require fails without it, off leaves it out.
     #[arg(long, value_enum, default_value_t)]
     usd: UsdMode,
+    /// Density of part and welds, for mass and inertia [kg/m³].
+    #[arg(
+        long,
+        value_name = "KG_PER_M3",
+        default_value_t = STEEL_DENSITY,
+        allow_negative_numbers = true,
+        value_parser = positive
+    )]
+    density: f64,
+    /// Also writes light meshes and robot models (light.glb, part.mjcf.xml, part.urdf and their STL meshes).
+    #[arg(long)]
+    models: bool,
+    /// Also writes the fields as OpenVDB (fields.vdb), for Blender and Houdini.
+    #[arg(long)]
+    vdb: bool,
     #[command(flatten, next_help_heading = MESH)]
     mesh: MeshFlags,
     #[command(flatten)]
@@ -285,7 +301,8 @@ pub(super) fn run(args: &WeldArgs, console: &Console) -> Result<()> {
     let part = Part::load(&args.file, args.mesh.unit.into())?;
     part.describe(console);
     let workpiece = weld_part(part, &options, console).with_context(|| args.file.display().to_string())?;
-    let place = asset::write(&workpiece, &options, folder, Extras::full(args.usd), console)?;
+    let extras = Extras { density: Some(args.density), models: args.models, vdb: args.vdb, ..Extras::full(args.usd) };
+    let place = asset::write(&workpiece, &options, folder, extras, console)?;
     let manifest = Manifest::read(&place)?;
     console.step("done", format!("{}", args.out.out.display()));
     let (asset, seconds) = (&args.out.out, started.elapsed().as_secs_f64());

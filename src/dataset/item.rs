@@ -40,7 +40,8 @@ fn make_again(dataset: &Dataset, source: &Path, id: &str, settings: &ItemSetting
     let options = WeldingOptions { seed: dataset.recipe.seed_of(id), ..settings.options.clone() };
     let console = Console::silent();
     let workpiece = weld_part(part, &options, &console).map_err(|error| Stage::Weld.fault(error))?;
-    let extras = Extras { usd: UsdMode::Off, preview: dataset.recipe.preview, samples_per_side: SAMPLES_PER_SIDE };
+    let (preview, full) = (dataset.recipe.preview, Extras::full(UsdMode::Off));
+    let extras = Extras { density: None, preview, samples_per_side: SAMPLES_PER_SIDE, ..full };
     asset::write(&workpiece, &options, folder, extras, &console)?;
     Ok(())
 }

@@ -100,7 +100,8 @@ fn a_item_is_what_weld_makes_of_its_part_and_seed() {
     let (part, silent) = (Part::load(&part.expect("the part"), UnitChoice::Auto).expect("a part"), Console::silent());
     let workpiece = weld_part(part, &options, &silent).expect("a welded part");
     let folder = StagedFolder::fresh(&out).expect("a folder");
-    let extras = Extras { usd: UsdMode::Off, preview: (16, 12), samples_per_side: 1 };
+    let extras =
+        Extras { density: None, models: false, vdb: false, usd: UsdMode::Off, preview: (16, 12), samples_per_side: 1 };
     asset::write(&workpiece, &options, folder, extras, &silent).expect("an asset");
     let (mut alone, mut item) = (files(&out), files(&set.join(row["folder"].as_str().expect("a folder"))));
     // The two pictures differ in size, and the manifest holds the picture's hash.

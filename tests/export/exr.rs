@@ -1,7 +1,7 @@
 //! The float buffers of a frame, read by other programs for OpenEXR.
 
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use glam::Vec3;
@@ -9,7 +9,7 @@ use render::to_exr;
 use render::{Frame, VisibleObject};
 use serde_json::Value;
 
-use crate::outside::untested;
+use crate::outside::packages;
 
 /// Name and type of the attribute that names a part, each closed by a zero.
 const PART_NAME: &[u8] = b"name\0string\0";
@@ -47,7 +47,8 @@ fn the_buffers_are_one_part_without_a_name() {
 
 #[test]
 fn openexr_and_opencv_read_the_buffers_bit_by_bit() {
-    let Some(python) = exr_python("float buffers against OpenEXR and OpenCV") else { return };
+    let what = "float buffers against OpenEXR and OpenCV";
+    let Some(python) = packages("exr-readers", &EXR_READERS, "import cv2, OpenEXR", what) else { return };
     let place = tempfile::tempdir().expect("a temporary folder");
     let (file, frame) = (place.path().join("buffers.exr"), frame());
     fs::write(&file, to_exr(&frame).expect("a file")).expect("written");
@@ -77,35 +78,3 @@ fn openexr_and_opencv_read_the_buffers_bit_by_bit() {
 
 /// Packages that read OpenEXR. The program does not need them, so they are not in `scripts/requirements.txt`.
 const EXR_READERS: [&str; 3] = ["OpenEXR==3.5.3", "opencv-python-headless==4.14.0.94", "numpy>=2,<3"];
-
-/// Returns a Python with [`EXR_READERS`], installed once per build folder; `None` after reporting a skipped test.
-fn exr_python(what: &str) -> Option<PathBuf> {
-    exr_readers().map_err(|cause| untested(what, &cause)).ok()
-}
-
-fn exr_readers() -> Result<PathBuf, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("exr-readers");
-    fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let lock = File::create(folder.join("lock")).map_err(|error| error.to_string())?;
-    lock.lock().map_err(|error| error.to_string())?;
-    let python = folder.join("venv/bin/python");
-    let works = || Command::new(&python).args(["-c", "import cv2, OpenEXR"]).output().is_ok_and(|o| o.status.success());
-    if !works() {
-        let steps = [
-            ("python3", vec!["-m", "venv", "--clear", "venv"]),
-            (
-                "venv/bin/python",
-                [&["-m", "pip", "install", "--quiet", "--only-binary=:all:"], &EXR_READERS[..]].concat(),
-            ),
-        ];
-        for (program, words) in steps {
-            let program = if program == "python3" { PathBuf::from(program) } else { folder.join(program) };
-            let done = Command::new(&program).args(&words).current_dir(&folder).output();
-            let done = done.map_err(|error| format!("{}: {error}", program.display()))?;
-            if !done.status.success() {
-                return Err(format!("{}: {}", program.display(), String::from_utf8_lossy(&done.stderr).trim()));
-            }
-        }
-    }
-    if works() { Ok(python) } else { Err("OpenEXR and OpenCV were installed and cannot be loaded".to_owned()) }
-}

@@ -5,8 +5,17 @@ use serde_json::Value;
 use crate::program::{bracket, names, robofin, run, weld_bracket};
 
 /// Files of an asset according to `robofin::asset`, without USD.
-const ASSET_FILES: [&str; 8] =
-    ["asset.json", "phi.nvdb", "preview.png", "surface.glb", "weld.nvdb", "welded.glb", "welds.json", "workpiece.glb"];
+const ASSET_FILES: [&str; 9] = [
+    "asset.json",
+    "mass.json",
+    "phi.nvdb",
+    "preview.png",
+    "surface.glb",
+    "weld.nvdb",
+    "welded.glb",
+    "welds.json",
+    "workpiece.glb",
+];
 
 #[test]
 fn weld_validate_simulate_and_render_follow_each_other() {
