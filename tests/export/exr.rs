@@ -9,7 +9,7 @@ use render::to_exr;
 use render::{Frame, VisibleObject};
 use serde_json::Value;
 
-use crate::outside::packages;
+use crate::packages::packages;
 
 /// Name and type of the attribute that names a part, each closed by a zero.
 const PART_NAME: &[u8] = b"name\0string\0";

@@ -8,6 +8,7 @@ mod exr;
 mod glb;
 mod manifold;
 mod outside;
+mod packages;
 mod python;
 mod robots;
 mod solids;

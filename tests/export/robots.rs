@@ -12,7 +12,8 @@ use glam::{DVec3, dvec3};
 use sdf_bake::{BakeOptions, BrickGrid, Combine, Mesh, bake};
 use serde_json::Value;
 
-use crate::outside::{gltf_validator, packages};
+use crate::outside::gltf_validator;
+use crate::packages::packages;
 use crate::solids::{bead, cuboid, plate};
 
 /// Programs that load robot models. The program does not need them, so they are not in `scripts/requirements.txt`.
