@@ -64,7 +64,8 @@ def parser() -> argparse.ArgumentParser:
     helps = {"train": "train a network on a set of labelled images", "evaluate": "measure a network on held-out images",
              "table": "measure no training, training on one set and on two",
              "export": "write a set in another format"}
-    train, evaluate, table, export = (verbs.add_parser(verb, help=text, allow_abbrev=False) for verb, text in helps.items())
+    train, evaluate, table, export = (
+        verbs.add_parser(verb, help=text, allow_abbrev=False) for verb, text in helps.items())
     _add_training(train, needs_real=False)
     _add_evaluation(evaluate)
     _add_training(table, needs_real=True)

@@ -47,7 +47,7 @@ class Camera:
             rotation = np.array(view["part_to_camera_rotation"], dtype=float).reshape(3, 3)
             translation = np.array(view["part_to_camera_translation_m"], dtype=float).reshape(3)
         except (KeyError, TypeError, ValueError) as error:
-            raise WrongUse(f"{sample.path('view')}: {error!r}; a camera of `robofin dataset images` is accepted") from None
+            raise WrongUse(f"{sample.path('view')}: {error!r}; one of `robofin dataset images` is accepted") from None
         if len(lens.coefficients) != 5:
             raise WrongUse(f"{sample.path('view')} has {len(lens.coefficients)} numbers for the distortion; "
                            "k1, k2, p1, p2 and k3 are accepted")

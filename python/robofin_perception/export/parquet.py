@@ -42,7 +42,7 @@ def _schema(root: Path, samples: Sequence[Sample]) -> pyarrow.Schema:
     try:
         return pyarrow.Table.from_pylist([{key: row.get(key) for key in keys} for row in rows]).schema
     except (pyarrow.ArrowInvalid, pyarrow.ArrowTypeError, OverflowError) as error:
-        raise WrongUse(f"--data {root}: its metadata fit no table: {error}; one type under each key is accepted") from None
+        raise WrongUse(f"--data {root}: metadata fit no table: {error}; one type for each key is accepted") from None
 
 
 def _facts(sample: Sample) -> dict[str, Any]:

@@ -7,10 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import robofin
 from numpy.typing import NDArray
 
 from ..errors import WrongUse
+
+try:
+    import robofin
+except ImportError as error:  # also of the sources without the compiled part
+    raise ModuleNotFoundError(str(error), name="robofin") from error
 
 Reals = NDArray[np.float64]
 
@@ -20,7 +24,7 @@ class Solid:
     """Vertices [mm] around `centre_mm`, which is given in the frame of the part; normals and triangles."""
 
     positions_mm: Reals
-    normals: NDArray[np.float32]
+    normals: Reals
     triangles: NDArray[np.uint32]
     centre_mm: Reals
 
@@ -28,14 +32,12 @@ class Solid:
     def read(cls, path: Path) -> Solid:
         """The surface of a workpiece's field."""
         try:
-            field = robofin.Field.read(path)
-            mesh = field.surface()
-            positions = mesh.positions
-            normals = field.normal(positions)
+            mesh = robofin.Field.read(path).surface()
         except (robofin.RoboFinError, OSError) as error:
             raise WrongUse(f"{path} cannot be read: {error}; the field of a workpiece is accepted") from None
+        positions, triangles = mesh.positions, mesh.triangles
         centre = 500.0 * (positions.min(axis=0) + positions.max(axis=0))
-        return cls(1000.0 * positions - centre, normals, mesh.triangles, centre)
+        return cls(1000.0 * positions - centre, normals_of(positions, triangles), triangles, centre)
 
     def write(self, path: Path) -> None:
         """Writes PLY as text."""
@@ -54,6 +56,16 @@ class Solid:
         return {"diameter": diameter(self.positions_mm)} | box | size
 
 
+def normals_of(positions: Reals, triangles: NDArray[np.uint32]) -> Reals:
+    """At each vertex the mean normal of its triangles, weighted by area."""
+    corners = positions[triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.zeros_like(positions)
+    for corner in range(3):
+        np.add.at(sums, triangles[:, corner], across)
+    return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300))
+
+
 def diameter(points: Reals) -> float:
     """The largest distance between two points.
 
@@ -65,5 +77,6 @@ def diameter(points: Reals) -> float:
     far = points[np.argmax(np.linalg.norm(points - far, axis=1))]
     bound = float(np.linalg.norm(points - far, axis=1).max())
     left = points[radius >= bound - radius.max() - 1e-9]
-    blocks = np.array_split(left, len(left) // 256 + 1)
-    return math.sqrt(max(float(((block[:, None] - left) ** 2).sum(axis=2).max()) for block in blocks if len(block)))
+    squares = (left**2).sum(axis=1)
+    blocks = (np.s_[start:start + 256] for start in range(0, len(left), 256))
+    return math.sqrt(max(float((squares[block, None] + squares - 2 * left[block] @ left.T).max()) for block in blocks))
