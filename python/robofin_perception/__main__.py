@@ -1,4 +1,4 @@
-"""The command line: train, evaluate, table."""
+"""The command line: train, evaluate, table, export."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 #: What each module that can be missing is called by pip.
 INSTALLED_AS = {"PIL": "pillow", "segmentation_models_pytorch": "segmentation-models-pytorch"}
+
+
+#: Formats that `export` writes.
+FORMATS = ("bop", "webdataset", "parquet", "croissant")
 
 
 def whole_number(least: int) -> Callable[[str], int]:
@@ -58,11 +62,14 @@ def parser() -> argparse.ArgumentParser:
     program = argparse.ArgumentParser(prog="python -m robofin_perception", description=__doc__, allow_abbrev=False)
     verbs = program.add_subparsers(dest="verb", required=True)
     helps = {"train": "train a network on a set of labelled images", "evaluate": "measure a network on held-out images",
-             "table": "measure no training, training on one set and on two"}
-    train, evaluate, table = (verbs.add_parser(verb, help=text, allow_abbrev=False) for verb, text in helps.items())
+             "table": "measure no training, training on one set and on two",
+             "export": "write a set in another format"}
+    train, evaluate, table, export = (
+        verbs.add_parser(verb, help=text, allow_abbrev=False) for verb, text in helps.items())
     _add_training(train, needs_real=False)
     _add_evaluation(evaluate)
     _add_training(table, needs_real=True)
+    _add_export(export)
     return program
 
 
@@ -85,6 +92,14 @@ def _add_evaluation(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--data", type=Path, required=True, metavar="DIR", help="the set of labelled images")
     verb.add_argument("--split", choices=("train", "validation", "test"), default="test")
     _add_common(verb, None, None)
+
+
+def _add_export(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("--data", type=Path, required=True, metavar="DIR", help="the set of labelled images")
+    verb.add_argument("--to", choices=FORMATS, required=True, help="the format")
+    verb.add_argument("--shard", type=whole_number(1), default=1000, metavar="N",
+                      help="images of a file of webdataset and parquet")
+    verb.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
 
 
 def _add_common(verb: argparse.ArgumentParser, labels: str | None, target: str | None) -> None:
@@ -113,23 +128,36 @@ def run(words: Sequence[str]) -> None:
         from .table import table
 
         print(table(_options(values), out))
+    elif verb == "export":
+        from .export import Export, export
+
+        print(f"{out}: {export(Export(**values), out)} images")
     else:
         from .evaluation import Request, evaluate, markdown
 
         print(markdown(evaluate(Request(**values), out)))
 
 
+def how_to_install(module: str, verb: str) -> str:
+    """What to do about a missing module."""
+    name = module.split(".")[0]
+    package = INSTALLED_AS.get(name, name)
+    if package == "robofin":
+        return "robofin is not installed; pip install ./python"
+    extra = "export" if verb == "export" else "perception"
+    return f'{package} is not installed; pip install "./python[{extra}]", or pip install {package}'
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """Runs a command line and returns the exit code: 0, 1 for failures, 2 for wrong use."""
+    words = sys.argv[1:] if words is None else words
     try:
-        run(sys.argv[1:] if words is None else words)
+        run(words)
     except PerceptionError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.code
     except ModuleNotFoundError as error:
-        package = INSTALLED_AS.get(str(error.name), error.name)
-        print(f"error: {package} is not installed; pip install \"./python[perception]\", or pip install {package}",
-              file=sys.stderr)
+        print(f"error: {how_to_install(str(error.name), words[0])}", file=sys.stderr)
         return 1
     return 0
 

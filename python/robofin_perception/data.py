@@ -53,8 +53,34 @@ class Example:
         return inside
 
 
+@dataclass(frozen=True)
+class Row:
+    """A line of `metadata.jsonl`, and where it stands."""
+
+    where: str
+    metadata: Path
+    values: dict[str, Any]
+
+    def file(self, key: str) -> str:
+        """The path under a key."""
+        path = self.values.get(key)
+        if not isinstance(path, str):
+            raise WrongUse(f"{self.where}: \"{key}\" is {path!r}; the path of a file is accepted")
+        return path
+
+    @property
+    def id(self) -> str:
+        """The name of the image."""
+        return str(self.values.get("id", Path(self.file("file_name")).stem))
+
+
 def read_split(root: Path, split: str, labels: str) -> list[Record]:
     """The images that `metadata.jsonl` in the split's folder lists, in its order."""
+    return [_record(root, row, labels) for row in read_rows(root, split)]
+
+
+def read_rows(root: Path, split: str) -> list[Row]:
+    """The lines of `metadata.jsonl` in the split's folder."""
     metadata = root / split / "metadata.jsonl"
     try:
         lines = metadata.read_text(encoding="utf-8").splitlines()
@@ -62,29 +88,30 @@ def read_split(root: Path, split: str, labels: str) -> list[Record]:
         raise WrongUse(f"{metadata} is missing; a set has a folder for each split, with a metadata.jsonl") from None
     except (OSError, UnicodeDecodeError) as error:
         raise WrongUse(f"{metadata} cannot be read: {error}") from None
-    records = [_record(root, metadata, number, labels) for number in enumerate(lines, 1) if number[1].strip()]
-    if not records:
+    rows = [_row(metadata, number, line) for number, line in enumerate(lines, 1) if line.strip()]
+    if not rows:
         raise WrongUse(f"{metadata} lists no image; at least one is accepted")
-    if len({record.id for record in records}) < len(records):
+    if len({row.id for row in rows}) < len(rows):
         raise WrongUse(f"{metadata} has the same id twice; each image has its own")
-    return records
+    return rows
 
 
-def _record(root: Path, metadata: Path, numbered: tuple[int, str], labels: str) -> Record:
-    number, line = numbered
+def _row(metadata: Path, number: int, line: str) -> Row:
     where = f"{metadata}, line {number}"
     try:
-        row = json.loads(line)
+        values = json.loads(line)
     except json.JSONDecodeError as error:
         raise WrongUse(f"{where}: {error}; one JSON object a line is accepted") from None
-    if not isinstance(row, dict):
-        raise WrongUse(f"{where} is a {type(row).__name__}; a JSON object is accepted")
-    for key in ("file_name", labels):
-        if not isinstance(row.get(key), str):
-            raise WrongUse(f"{where}: \"{key}\" is {row.get(key)!r}; the path of a file is accepted")
-    name = str(row.get("id", Path(row["file_name"]).stem))
-    group = f"{row.get('workpiece')}, placement {row['placement']}" if "placement" in row else name
-    return Record(name, metadata.parent / row["file_name"], root / row[labels], group)
+    if not isinstance(values, dict):
+        raise WrongUse(f"{where} is a {type(values).__name__}; a JSON object is accepted")
+    return Row(where, metadata, values)
+
+
+def _record(root: Path, row: Row, labels: str) -> Record:
+    image, label = row.metadata.parent / row.file("file_name"), root / row.file(labels)
+    values = row.values
+    group = f"{values.get('workpiece')}, placement {values['placement']}" if "placement" in values else row.id
+    return Record(row.id, image, label, group)
 
 
 def open_example(record: Record) -> Example:
@@ -102,6 +129,14 @@ def open_example(record: Record) -> Example:
 
 
 def _pixels(path: Path, modes: tuple[str, ...]) -> Image.Image:
+    image = open_picture(path)
+    if image.mode not in modes:
+        raise WrongUse(f"{path} has the mode {image.mode}; {', '.join(modes)} are accepted")
+    return image
+
+
+def open_picture(path: Path) -> Image.Image:
+    """Opens a picture that the metadata name."""
     try:
         image = Image.open(path)
         image.load()
@@ -109,8 +144,6 @@ def _pixels(path: Path, modes: tuple[str, ...]) -> Image.Image:
         raise WrongUse(f"{path} is missing; the metadata name it") from None
     except (UnidentifiedImageError, OSError, SyntaxError) as error:
         raise WrongUse(f"{path} cannot be opened as an image: {error}") from None
-    if image.mode not in modes:
-        raise WrongUse(f"{path} has the mode {image.mode}; {', '.join(modes)} are accepted")
     return image
 
 

@@ -13,8 +13,9 @@ from PIL.Image import Image
 from .baselines import otsu, prefers_brighter, usual_side, whole
 from .data import BACKGROUND, LABELS, TARGETS, Example, Mask, Record, fingerprint, open_example, read_split
 from .errors import WrongUse
+from .folders import new_folder, write_json
 from .metrics import Counts, Summary, count, summarise
-from .runs import CARD, Trained, find_device, new_folder, read_run, versions, write_json
+from .runs import CARD, Trained, find_device, read_run, versions
 from .sheet import Tile, sheet
 from .training import create
 

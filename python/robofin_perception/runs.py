@@ -1,23 +1,17 @@
-"""Folders of results: written aside and renamed when complete, and read again."""
+"""Cards of results, and networks read again."""
 
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import torch
 from safetensors import SafetensorError
 
 from .data import LABELS, TARGETS
-from .errors import PerceptionError, WrongUse
+from .errors import WrongUse
 from .models import Segmenter, UNet
 from .sam2 import Sam2
 
@@ -25,31 +19,6 @@ CARD, MODEL = "run.json", "model"
 FORMAT = "robofin-perception-run/1"
 #: Packages that a card names with their versions.
 PACKAGES = ("numpy", "pillow", "robofin", "safetensors", "segmentation-models-pytorch", "torch", "transformers")
-
-
-@contextmanager
-def new_folder(out: Path) -> Iterator[Path]:
-    """A folder to fill, which takes the name `out` at the end; nothing is left of it after an error."""
-    if out.exists():
-        raise WrongUse(f"--out {out} exists; a new folder is accepted")
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
-    except OSError as error:
-        raise WrongUse(f"--out {out} cannot be made: {error}") from None
-    try:
-        yield aside
-        os.chmod(aside, 0o755)
-        os.rename(aside, out)
-    except OSError as error:
-        raise PerceptionError(f"--out {out} cannot be written: {error}") from error
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
-
-
-def write_json(path: Path, content: Any) -> None:
-    """Writes indented JSON."""
-    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def versions() -> dict[str, str]:

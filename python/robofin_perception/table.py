@@ -8,8 +8,8 @@ from typing import Any
 
 from .errors import WrongUse
 from .evaluation import HEADER, NETWORK, Request, evaluate, row
+from .folders import new_folder, write_json
 from .metrics import Summary
-from .runs import new_folder, write_json
 from .training import Options, train
 
 

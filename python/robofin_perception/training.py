@@ -17,8 +17,9 @@ from torch.nn import functional
 
 from .data import IGNORE, TARGETS, Record, fingerprint, open_example, read_split, sha256
 from .errors import PerceptionError, WrongUse
+from .folders import new_folder, write_json
 from .models import Segmenter, Tensors, UNet, sha256_of
-from .runs import CARD, FORMAT, MODEL, find_device, new_folder, versions, write_json
+from .runs import CARD, FORMAT, MODEL, find_device, versions
 from .sam2 import Sam2
 
 #: The part of the updates at the end over which the rate falls to zero.
