@@ -14,10 +14,15 @@ use crate::robot_model::{COLLISION_FILE, StatedMass, VISUAL_FILE, read_mjcf, rea
 use crate::stl::write_stl;
 use crate::surface::WeldedSurface;
 
-/// Greatest distance of the full surface's vertices from the light meshes, `light.glb` and `visual.stl` [voxels].
-pub const LIGHT_TOLERANCE: f64 = 0.25;
-/// Greatest distance of the full surface's vertices from `collision.stl` [voxels].
-pub const COLLISION_TOLERANCE: f64 = 1.0;
+/// Greatest distances of the full surface's vertices from the light meshes, `light.glb` and `visual.stl` [voxels]; the
+/// first one that needs at most [`MOST_TRIANGLES`] is taken, or else the last.
+pub const LIGHT_TOLERANCES: [f64; 3] = [0.25, 0.5, 1.0];
+/// Greatest number of triangles wanted of a light mesh. MuJoCo accepts 200,000.
+pub const MOST_TRIANGLES: usize = 120_000;
+/// Greatest distance between the vertices of the light meshes and `collision.stl` [voxels].
+pub const COLLISION_TOLERANCE: f64 = 0.75;
+/// Greatest distance of the full surface's vertices from any light mesh [voxels].
+const FARTHEST: f64 = LIGHT_TOLERANCES[LIGHT_TOLERANCES.len() - 1];
 /// Greatest relative difference between the mass of a file and that of `surface.glb`, which is in single precision.
 const MASS_TOLERANCE: f64 = 1e-5;
 
@@ -28,7 +33,8 @@ pub struct Models<'a> {
     /// Voxel of the field [m].
     voxel: f64,
     mass: MassProperties,
-    light: OnceLock<WeldedSurface>,
+    /// The light surface, and the greatest distance of the full surface's vertices from it [m].
+    light: OnceLock<(WeldedSurface, f64)>,
     collision: OnceLock<WeldedSurface>,
 }
 
@@ -62,15 +68,15 @@ pub const MODEL_FILES: [ModelFile; 6] = [
         file: VISUAL_FILE,
         media_type: "model/stl",
         slow: true,
-        write: |models| Ok(write_stl(&models.light().whole())),
-        check: |bytes, reference| check_stl(bytes, reference, LIGHT_TOLERANCE),
+        write: |models| Ok(write_stl(&models.light().0.whole())),
+        check: |bytes, reference| check_stl(bytes, reference, FARTHEST),
     },
     ModelFile {
         file: COLLISION_FILE,
         media_type: "model/stl",
         slow: true,
         write: |models| Ok(write_stl(&models.collision().whole())),
-        check: |bytes, reference| check_stl(bytes, reference, COLLISION_TOLERANCE),
+        check: |bytes, reference| check_stl(bytes, reference, FARTHEST + COLLISION_TOLERANCE),
     },
     ModelFile {
         file: "part.mjcf.xml",
@@ -97,13 +103,22 @@ impl<'a> Models<'a> {
         Some(Self { surface, voxel, mass, light: OnceLock::new(), collision: OnceLock::new() })
     }
 
-    fn light(&self) -> &WeldedSurface {
-        self.light.get_or_init(|| self.surface.simplified(LIGHT_TOLERANCE * self.voxel))
+    fn light(&self) -> &(WeldedSurface, f64) {
+        self.light.get_or_init(|| {
+            let [first, further @ ..] = LIGHT_TOLERANCES.map(|tolerance| tolerance * self.voxel);
+            let mut light = (self.surface.simplified(first), first);
+            for tolerance in further {
+                if light.0.triangles() > MOST_TRIANGLES {
+                    light = (self.surface.simplified(tolerance), tolerance);
+                }
+            }
+            light
+        })
     }
 
     fn collision(&self) -> &WeldedSurface {
-        let further = (COLLISION_TOLERANCE - LIGHT_TOLERANCE) * self.voxel;
-        self.collision.get_or_init(|| self.light().without_ids().simplified(further))
+        let further = COLLISION_TOLERANCE * self.voxel;
+        self.collision.get_or_init(|| self.light().0.without_ids().simplified(further))
     }
 }
 
@@ -112,9 +127,9 @@ fn mass_json(models: &Models<'_>) -> Result<Vec<u8>, GlbWriteError> {
 }
 
 fn light_glb(models: &Models<'_>) -> Result<Vec<u8>, GlbWriteError> {
-    let bound = LIGHT_TOLERANCE * models.voxel + rounding(&models.light().whole());
-    let extras = json!({ "deviation_bound_m": bound });
-    models.light().write_quantized_glb(extras.as_object().cloned().unwrap_or_default())
+    let (light, tolerance) = models.light();
+    let extras = json!({ "deviation_bound_m": tolerance + rounding(&light.whole()) });
+    light.write_quantized_glb(extras.as_object().cloned().unwrap_or_default())
 }
 
 fn check_mass(bytes: &[u8], reference: &Reference) -> Result<String, String> {
@@ -148,7 +163,7 @@ fn check_light(bytes: &[u8], reference: &Reference) -> Result<String, String> {
         return Err(format!("weld ids {:?}", pieces.keys()));
     }
     let light = WeldedSurface { pieces };
-    let bound = LIGHT_TOLERANCE * reference.voxel + rounding(&light.whole());
+    let bound = FARTHEST * reference.voxel + rounding(&light.whole());
     check_deviation(&light, reference, bound)
 }
 
@@ -168,7 +183,7 @@ fn rounding(mesh: &Mesh) -> f64 {
 fn check_deviation(light: &WeldedSurface, reference: &Reference, bound: f64) -> Result<String, String> {
     // Both files are in single precision, of which a voxel has at least 32 steps.
     let bound = bound + reference.voxel / 32.0;
-    let triangles: usize = light.pieces.values().map(|piece| piece.triangles.len()).sum();
+    let triangles = light.triangles();
     match reference.surface.deviation_from(light, bound) {
         Some(deviation) if light.is_closed() => Ok(format!("{triangles} triangles, {deviation:.2e} m off")),
         Some(_) => Err(format!("{triangles} triangles that are no closed surface")),

@@ -15,11 +15,11 @@ use crate::glb::{GlbMaterial, GlbPart, GlbWriteError, write_quantized_glb, write
 const SURFACE_NAME: &str = "surface";
 /// Least distance of a triangle's centre outside the bare part for weld metal [voxels].
 const OFF_PART: f32 = 0.1;
-/// Mean error of the first simplification [tolerances], and its factor after each attempt that is too far off.
+/// Mean error of the first simplification [tolerances], and its factor after two attempts that are too far off.
 const FIRST_ERROR: f64 = 0.4;
 const NEXT_ERROR: f64 = 0.5;
 /// Greatest number of attempts; if all fail, the surface is returned unchanged.
-const ATTEMPTS: i32 = 6;
+const ATTEMPTS: i32 = 8;
 
 /// A closed surface in pieces by weld id. Positions along the borders of pieces have the same bits, so the surface is
 /// closed once equal positions are merged.
@@ -79,6 +79,11 @@ impl WeldedSurface {
         passes.values().all(|passes| *passes == 0)
     }
 
+    /// Returns the number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.pieces.values().map(|piece| piece.triangles.len()).sum()
+    }
+
     /// Returns the surface as one piece, without weld ids.
     pub fn without_ids(&self) -> Self {
         Self { pieces: BTreeMap::from([(0, self.whole())]) }
@@ -89,13 +94,13 @@ impl WeldedSurface {
     /// A closed surface stays closed, but two of its sheets may come to touch along an edge.
     ///
     /// Edges collapse by quadric error metrics (Garland & Heckbert 1997, in meshoptimizer), whose error is a mean. Where
-    /// the result is too far off, the original triangles are kept and the rest is done again with a smaller error.
+    /// the result is too far off, the original triangles are kept and the rest is done again, in the end with a smaller error.
     pub fn simplified(&self, tolerance: f64) -> Self {
         let single = self.in_single_precision();
         let full = MeshQuery::new(&single.whole());
         let mut kept: HashSet<[u64; 3]> = HashSet::new();
         for attempt in 0..ATTEMPTS {
-            let error = FIRST_ERROR * NEXT_ERROR.powi(attempt) * tolerance;
+            let error = FIRST_ERROR * NEXT_ERROR.powi(attempt / 2) * tolerance;
             let simplify = |(&id, piece): (&u16, &Mesh)| (id, simplify(piece, &kept, error as f32));
             let light = Self { pieces: single.pieces.par_iter().map(simplify).collect() };
             let faults = single.faults(&full, &light.whole(), tolerance);

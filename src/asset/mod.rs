@@ -86,9 +86,9 @@ pub const ASSET: FolderKind = FolderKind { marker: MANIFEST_FILE, key: "baking",
 pub struct Extras {
     /// Density [kg/m³] for the mass; `None` leaves out all files of [`export::models`].
     pub density: Option<f64>,
-    /// True for light meshes and robot models, which take about as long as all other files together.
+    /// True for light meshes and robot models, which take long at fine voxels.
     pub models: bool,
-    /// True for `fields.vdb`, which is as large as all other files together.
+    /// True for `fields.vdb`.
     pub vdb: bool,
     /// Mode of the USD file.
     pub usd: UsdMode,

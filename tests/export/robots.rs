@@ -6,7 +6,7 @@ use std::process::Command;
 
 use export::glb_read::read_glb;
 use export::mass::{MassProperties, STEEL_DENSITY};
-use export::models::{LIGHT_TOLERANCE, MODEL_FILES, Models};
+use export::models::{LIGHT_TOLERANCES, MODEL_FILES, Models};
 use export::surface::WeldedSurface;
 use glam::{DVec3, dvec3};
 use sdf_bake::{BakeOptions, BrickGrid, Combine, Mesh, bake};
@@ -87,7 +87,7 @@ fn the_light_surface_is_closed_near_the_field_and_keeps_its_weld_ids() {
     assert!(light.is_closed());
     // Half a step of 60 mm / 65535 along each axis.
     let rounding = 0.87 * 0.06 / 65_535.0;
-    assert!(surface.deviation_from(&light, LIGHT_TOLERANCE * VOXEL + rounding).is_some());
+    assert!(surface.deviation_from(&light, LIGHT_TOLERANCES[0] * VOXEL + rounding).is_some());
     // Where the field is smooth, the middles of triangles lie on it. Its interpolation rounds edges off.
     let worst = |points: &mut dyn Iterator<Item = DVec3>| {
         points.map(|point| f64::from(field.sample(point)).abs() / VOXEL).fold(0.0, f64::max)
