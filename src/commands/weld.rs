@@ -24,6 +24,9 @@ const CURVE: &str = "Curve";
 const ACCESS: &str = "Exposure and access";
 
 /// Example: robofin weld part.obj --out out/part --seed 7
+/// Heading of the help for flags that add to the files.
+const FILES: &str = "Files";
+
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7 --length-mm 60 --width-mm 8\n  \
@@ -50,14 +53,15 @@ pub(super) struct WeldArgs {
         value_name = "KG_PER_M3",
         default_value_t = STEEL_DENSITY,
         allow_negative_numbers = true,
-        value_parser = positive
+        value_parser = positive,
+        help_heading = FILES
     )]
     density: f64,
     /// Also writes light meshes and robot models (light.glb, part.mjcf.xml, part.urdf and their STL meshes).
-    #[arg(long)]
+    #[arg(long, help_heading = FILES)]
     models: bool,
     /// Also writes the fields as OpenVDB (fields.vdb), for Blender and Houdini.
-    #[arg(long)]
+    #[arg(long, help_heading = FILES)]
     vdb: bool,
     #[command(flatten, next_help_heading = MESH)]
     mesh: MeshFlags,

@@ -86,9 +86,12 @@ fn making(recipe: &Recipe) -> String {
     format!(
         "\n## Making\n\nFlags that decide the items: `{}`. Seeds follow from the content of a part and the number of the item, so the same \
          parts and flags give the same bytes.\n\n`robofin validate DIR` rehashes and rechecks everything, with `--repair` it makes \
-         broken items again.\n\n## Licence\n\nOf the source parts: {}\n",
+         broken items again.\n\n## Licence\n\nOf the source parts: {}. Cite as: RoboFin {}, welded \
+         workpieces, seed {}.\n",
         recipe.flags.join(" "),
-        recipe.licence
+        recipe.licence,
+        recipe.version,
+        recipe.seed
     )
 }
 

@@ -81,7 +81,10 @@ fn a_page_that_does_not_exist_is_refused_with_the_near_name() {
 #[test]
 fn long_help_is_grouped_by_headings() {
     for (verb, headings) in [
-        (&["weld"][..], &["Mesh and field:", "Curve:", "Bead:", "Form:", "Imperfections:", "Exposure and access:"][..]),
+        (
+            &["weld"][..],
+            &["Mesh and field:", "Curve:", "Bead:", "Form:", "Imperfections:", "Exposure and access:", "Files:"][..],
+        ),
         (&["bake"], &["Mesh and field:"]),
         (&["simulate"], &["Model:", "Trial:", "States:", "Grinding of an asset:"]),
         (&["path"], &["Way:", "Tool and motion:"]),
