@@ -18,15 +18,15 @@ use crate::workpiece::{WeldSettings, WeldingOptions, weld_part};
 use export::mass::STEEL_DENSITY;
 use files::folder::StagedFolder;
 
+/// Heading of the help for flags that add to the files.
+const FILES: &str = "Files";
+
 /// Heading of the help for the weld's curve.
 const CURVE: &str = "Curve";
 /// Heading of the help for exposure and tool access.
 const ACCESS: &str = "Exposure and access";
 
 /// Example: robofin weld part.obj --out out/part --seed 7
-/// Heading of the help for flags that add to the files.
-const FILES: &str = "Files";
-
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  robofin weld data/bracket.obj --out out/bracket --seed 7 --length-mm 60 --width-mm 8\n  \
