@@ -30,7 +30,7 @@ mod shot;
 mod view;
 pub mod yolo;
 
-pub use looks::{Look, LookDraws};
+pub use looks::{Look, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
 pub use sanding::{SPINDLE, SandingError, Setting, StageFigures, sand};
 pub use scene::{CameraDraw, LampDraw, MaterialDraw, NoSurface, PlacementDraw, Scene, Seeds, SensorDraw};
 pub use shapes::Shape;

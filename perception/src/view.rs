@@ -133,7 +133,7 @@ pub fn instances(frame: &Frame) -> Vec<u8> {
     (0..frame.seen.len()).map(instance).collect()
 }
 
-/// Depth of each pixel in steps of [`DEPTH_STEP`]; 0 for background and beyond the range of 6.5 m.
+/// Depth of each pixel in steps of 0.1 mm; 0 for background and beyond the range of 6.5 m.
 pub fn depth_steps(frame: &Frame) -> Vec<u16> {
     let step = |depth: &f32| {
         let steps = (f64::from(*depth) / DEPTH_STEP).round();
