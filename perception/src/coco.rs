@@ -81,9 +81,9 @@ pub struct Annotation {
     iscrowd: u8,
 }
 
-/// What a file of annotations says of itself.
+/// The `info` and `licenses` blocks of a COCO file.
 pub struct Heading<'a> {
-    /// What the images are.
+    /// Description of the images.
     pub description: &'a str,
     /// Version of the program.
     pub version: &'a str,

@@ -1,5 +1,5 @@
-//! What makes a photograph look real beyond shape, light and noise. Each look is drawn from a stream of its own, so
-//! that leaving one out changes nothing else of a scene.
+//! Domain randomisation of a photograph's appearance: textures, marks, primer, studio light, optics, compression. Each
+//! look has its own random stream, so switching one off changes nothing else in a scene.
 
 use glam::{DVec2, DVec3};
 use random::Stream;

@@ -1,4 +1,4 @@
-//! What all photographs of a placement share: the camera as matrices, boxes, depth, normals and welds.
+//! Geometry common to all photographs of a placement: camera matrices, bounding boxes, depth, normals, weld instances.
 
 use export::rle::Extent;
 use glam::DVec3;
@@ -24,7 +24,7 @@ pub struct Intrinsics {
     pub distortion: [f64; 5],
 }
 
-/// What all photographs of a placement share.
+/// Camera, pose, bounding boxes and visible welds, common to all photographs of a placement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct View {
     /// Camera.
@@ -37,8 +37,6 @@ pub struct View {
     pub box_m: [[f64; 3]; 2],
     /// Left, top, width, height of the workpiece in the picture [pixels].
     pub bounds: [usize; 4],
-    /// Share of the workpiece's pixels that the picture shows; nothing hides it, and the whole box is in the picture.
-    pub visible_share: f64,
     /// Visible welds, by id.
     pub welds: Vec<VisibleWeld>,
     /// Depth of one step of the depth image [m]; 0 in it is background.
@@ -82,7 +80,6 @@ impl View {
             part_to_camera_translation_m: axes.map(|axis| axis.dot(placement.translation - scene.camera.eye_m)),
             box_m: [low.to_array(), high.to_array()],
             bounds: Extent::of(width, height, |pixel| frame.seen[pixel] == VisibleObject::Part).bounds,
-            visible_share: 1.0,
             welds: welds(&frame),
             depth_step_m: DEPTH_STEP,
         };

@@ -14,7 +14,7 @@ from .errors import PerceptionError
 if TYPE_CHECKING:
     from .training import Options
 
-#: What each module that can be missing is called by pip.
+#: Names in pip of the modules that can be missing.
 INSTALLED_AS = {"PIL": "pillow", "segmentation_models_pytorch": "segmentation-models-pytorch"}
 
 
@@ -139,7 +139,7 @@ def run(words: Sequence[str]) -> None:
 
 
 def how_to_install(module: str, verb: str) -> str:
-    """What to do about a missing module."""
+    """The message that says how to install a missing module."""
     name = module.split(".")[0]
     package = INSTALLED_AS.get(name, name)
     if package == "robofin":

@@ -38,7 +38,7 @@ def threshold(grey: NDArray[np.int64]) -> int:
 
 
 def prefers_brighter(examples: Iterable[Example], target: int) -> bool:
-    """Whether the brighter class has the higher mean IoU on these images, which are not the tested ones."""
+    """True if the brighter class has the higher mean IoU on these images, which are not the tested ones."""
     gain = 0.0
     for example in examples:
         box = example.inside()

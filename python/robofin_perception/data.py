@@ -16,7 +16,7 @@ from .errors import WrongUse
 
 #: Index labels.
 BACKGROUND, SANDED, UNSANDED, IGNORE = 0, 1, 2, 255
-#: What a network can be asked for.
+#: Classes that a network can segment.
 TARGETS = {"sanded": SANDED, "unsanded": UNSANDED}
 LABELS = ("appearance", "dose")
 SPLITS = ("train", "validation", "test")
@@ -163,7 +163,7 @@ def sha256(*paths: Path) -> str:
 
 
 def fingerprint(root: Path, split: str) -> dict[str, Any]:
-    """Which images these are: hashes of the split's metadata and, if there is one, of the set's `dataset.json`."""
+    """Identity of the images: hashes of the split's metadata and, if there is one, of the set's `dataset.json`."""
     marker, metadata = root / "dataset.json", root / split / "metadata.jsonl"
     return {
         "folder": str(root),

@@ -1,4 +1,4 @@
-"""What goes wrong, as messages for the caller."""
+"""Errors with messages for the caller."""
 
 
 class PerceptionError(Exception):

@@ -29,7 +29,7 @@ Answer = Callable[[Example], Mask]
 
 @dataclass(frozen=True)
 class Request:
-    """What to measure, on what. Labels and target are by default those of the run."""
+    """A network and the images on which it is evaluated. Labels and target are by default those of the run."""
 
     run: str
     data: Path

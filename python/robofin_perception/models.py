@@ -31,7 +31,7 @@ class Segmenter(nn.Module, ABC):
 
     @abstractmethod
     def encode(self, example: Example) -> Tensors:
-        """What `forward` needs of an image, as small as it can be kept; the same at every call."""
+        """The input of `forward` for an image, in compact form; deterministic."""
 
     @abstractmethod
     def forward(self, batch: Tensors) -> tuple[Tensor, Tensor]:

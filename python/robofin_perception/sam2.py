@@ -56,9 +56,9 @@ class Sam2(Segmenter):
             read: Any = Sam2Model.from_pretrained(name, dtype=torch.float32, output_loading_info=True)
         except (OSError, ValueError, RuntimeError, SafetensorError) as error:
             raise _refused(name, str(error).strip().partition("\n")[0]) from None
-        sam, told = read
-        if told["missing_keys"]:
-            raise _refused(name, f"it lacks {min(told['missing_keys'])}")
+        sam, loading = read
+        if loading["missing_keys"]:
+            raise _refused(name, f"it lacks {min(loading['missing_keys'])}")
         return cls(sam)
 
     def frozen(self) -> Tensors:

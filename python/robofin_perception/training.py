@@ -33,7 +33,7 @@ SIZE = (256, 256)
 
 @dataclass(frozen=True)
 class Options:
-    """What decides a training. `None` is the default of the network."""
+    """Options of a training run. `None` is the default of the network."""
 
     data: Path
     model: str = "unet"

@@ -28,7 +28,7 @@ def spoil_label(root: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
     Image.fromarray(change(np.asarray(Image.open(path)))).save(path)
 
 
-@pytest.mark.parametrize(("spoil", "told"), [
+@pytest.mark.parametrize(("spoil", "message"), [
     (lambda root: shutil.rmtree(root / "train"), "train/metadata.jsonl is missing"),
     (lambda root: rewrite(root, lambda text: ""), "lists no image"),
     (lambda root: rewrite(root, lambda text: text + "{"), "metadata.jsonl, line 3"),
@@ -42,17 +42,17 @@ def spoil_label(root: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
     (lambda root: spoil_label(root, lambda label: np.stack([label] * 3, axis=2)), "has the mode RGB; L, P"),
     (lambda root: spoil_label(root, np.zeros_like), "no pixel of the workpiece"),
 ])
-def test_faulty_data_are_named(spoil: Callable[[Path], Any], told: str, small: Path, tmp_path: Path,
+def test_faulty_data_are_named(spoil: Callable[[Path], Any], message: str, small: Path, tmp_path: Path,
                                capsys: pytest.CaptureFixture[str]) -> None:
     spoil(small)
     words = ["train", "--data", str(small), "--size", "32x32", "--updates", "2", "--out", str(tmp_path / "run")]
     assert main(words) == 2
     error = capsys.readouterr().err
-    assert told in error and str(small) in error
+    assert message in error and str(small) in error
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "message"), [
     (["train", "--batch", "1"], "--batch: '1' found, a whole number of at least 2 is accepted"),
     (["train", "--lr", "nan"], "--lr: 'nan' found, a number above 0 is accepted"),
     (["train", "--real-fraction", "1.5"], "--real-fraction: '1.5' found, a number from 0 to 1 is accepted"),
@@ -60,23 +60,23 @@ def test_faulty_data_are_named(spoil: Callable[[Path], Any], told: str, small: P
     (["train", "--target", "rust"], "--target: invalid choice: 'rust'"),
     (["table"], "--real"),
 ])
-def test_wrong_flags_are_named(words: list[str], told: str, small: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_flags_are_named(words: list[str], message: str, small: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         main([*words, "--data", str(small), "--out", str(small / "run")])
-    assert end.value.code == 2 and told in capsys.readouterr().err
+    assert end.value.code == 2 and message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("words", "told"), [
+@pytest.mark.parametrize(("words", "message"), [
     (["train", "--model", "sam2-random", "--size", "64x64"], "--size belongs to --model unet"),
     (["train", "--model", "unet", "--cache", "cache"], "--cache belongs to SAM 2"),
     (["train", "--model", "no/such/model"], "'no/such/model' is no model that can be read"),
     (["evaluate", "--run", "unet"], "--run unet is a network without weights"),
     (["evaluate", "--run", "sam2-random", "--split", "validation"], "validation/metadata.jsonl is missing"),
 ])
-def test_what_does_not_fit_together_is_refused(words: list[str], told: str, small: Path, tmp_path: Path,
+def test_what_does_not_fit_together_is_refused(words: list[str], message: str, small: Path, tmp_path: Path,
                                                capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*words, "--data", str(small), "--out", str(tmp_path / "out")]) == 2
-    assert told in capsys.readouterr().err and not (tmp_path / "out").exists()
+    assert message in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
 def test_weights_of_another_network_are_refused(
@@ -125,9 +125,9 @@ def test_a_missing_package_is_named_in_one_line(module: str, package: str, small
     program = (f"import sys; sys.modules[{module!r}] = None\n"
                "from robofin_perception.__main__ import main; sys.exit(main())")
     words = [sys.executable, "-c", program, "train", "--data", str(small), "--out", str(tmp_path / "run")]
-    told = subprocess.run(words, capture_output=True, text=True)
-    assert told.returncode == 1 and f"{package} is not installed; pip install" in told.stderr
-    assert told.stderr.count("\n") == 1
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 1 and f"{package} is not installed; pip install" in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_a_change_of_the_encoder_is_a_failure_and_leaves_no_run(

@@ -116,7 +116,7 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     voxel_mm: f64,
-    /// What no two splits share: workpieces, or placements as in the paper.
+    /// Unit by which the images are split: no two splits share a workpiece, or a placement as in the paper.
     #[arg(
         long,
         value_name = "WHAT",

@@ -29,7 +29,7 @@ pub enum Task {
     Workpiece(Coated),
     /// Doses of a sanding path.
     Sanding(PlannedSanding),
-    /// What the images of a placement share.
+    /// View: camera, pose and buffers common to the images of a placement.
     View(PlannedView),
     /// Image with its labels.
     Image(Planned),

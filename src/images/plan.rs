@@ -37,7 +37,7 @@ pub enum Split {
     Test,
 }
 
-/// What no two splits share.
+/// Unit by which the images are split: all images of one unit are in one split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SplitBy {

@@ -37,7 +37,7 @@ pub struct ImageRecipe {
     pub size: (usize, usize),
     /// Distance between voxels of the workpieces other than assets [mm].
     pub voxel_mm: f64,
-    /// What no two splits share.
+    /// Unit by which the images are split.
     pub split_by: SplitBy,
     /// Looks of the photographs, in their order.
     pub looks: Vec<Look>,

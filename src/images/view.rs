@@ -1,4 +1,4 @@
-//! Files of a view: what all images of one placement share.
+//! Files of a view: camera, pose and buffers common to all images of one placement.
 
 use std::path::PathBuf;
 

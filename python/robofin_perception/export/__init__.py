@@ -11,7 +11,7 @@ from .samples import read_set
 
 @dataclass(frozen=True)
 class Export:
-    """What is written: the set, the format, and the images of each file of formats that have shards."""
+    """An export: the set, the format, and the images of each file of formats that have shards."""
 
     data: Path
     to: str

@@ -74,7 +74,7 @@ def check(path: Path, recipe: dict[str, Any]) -> None:
 
 
 def recipe_of(options: dict[str, Any], source_sha256: str, version: str) -> dict[str, Any]:
-    """What decides every picture."""
+    """Settings that determine every picture."""
     return {"format": FORMAT} | options | {"bpy": version, "source_sha256": source_sha256}
 
 

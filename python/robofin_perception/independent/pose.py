@@ -1,4 +1,4 @@
-"""How a workpiece lies on its table, and the camera that sees it: the same for all pictures of a placement."""
+"""Pose of a workpiece on its table, and its camera: the same for all pictures of a placement."""
 
 import math
 from dataclasses import dataclass

@@ -24,7 +24,7 @@ RENDERER = f"Blender Cycles {bpy.app.version_string}"
 
 @dataclass(frozen=True)
 class Settings:
-    """What is rendered: folders, number of pictures, pixels, samples of each pixel, seed, threads (0: all)."""
+    """Settings of a production: folders, number of pictures, pixels, samples of each pixel, seed, threads (0: all)."""
 
     data: Path
     out: Path
