@@ -14,7 +14,7 @@
 //! let mut part = Shape::Tee.field(2e-3);
 //! part.dose = vec![0.0; part.phi.len()];
 //! let scene = Scene::draw(&part, &Seeds { placement: 1, image: 2 }, (64, 48), &Look::ALL).unwrap();
-//! let shot = shoot(&part, &scene, (64, 48));
+//! let shot = shoot(&part, &scene, (64, 48)).unwrap();
 //! assert_eq!(shot.exposed_share, 0.0);
 //! ```
 

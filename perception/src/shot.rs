@@ -1,6 +1,7 @@
 //! Photographs of a part in a scene, and the labels from comparing them.
 
 use glam::{DVec3, Vec3};
+use image::ImageError;
 use render::label::{Colour, labels, seen_share};
 use render::{
     Appearance, Environment, Field, Frame, KeyLight, Lights, Marks, Material, Picture, Placement, Raster,
@@ -32,7 +33,10 @@ pub struct Shot {
 }
 
 /// Photographs a part with its dose; labels it by comparison with the same part unsanded and bare in the same scene.
-pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Shot {
+///
+/// # Errors
+/// If the picture goes through JPEG and a side is longer than 65,535 pixels.
+pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Result<Shot, ImageError> {
     let camera = scene.camera.camera();
     let stage = stage(part, scene);
     // Unsanded and bare.
@@ -52,26 +56,33 @@ pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -
     let gone = |pixel: usize| frame.dose[pixel].min(1.0);
     let pixels = (0..width * height).filter(|&pixel| on_part(pixel));
     let exposed = pixels.clone().filter(|&pixel| frame.dose[pixel] >= 1.0).count();
-    Shot {
-        image: picture(&frame, scene, exposure),
+    Ok(Shot {
+        image: picture(&frame, (scene, middle_depth(part, scene)), exposure)?,
         appearance: labels(width, height, |pixel| on_part(pixel).then(|| seen(pixel))),
         dose: labels(width, height, |pixel| on_part(pixel).then(|| Some(gone(pixel)))),
         exposed_share: exposed as f64 / pixels.count().max(1) as f64,
         exposure,
-    }
+    })
 }
 
-/// The picture as the camera stores it.
-fn picture(frame: &Frame, scene: &Scene, exposure: f64) -> Picture {
+/// Depth of the middle of a part's box from the camera [m].
+fn middle_depth(part: &BrickGrid, scene: &Scene) -> f64 {
+    let middle = part.surface_bounds().map_or(DVec3::ZERO, |(low, high)| low.midpoint(high));
+    scene.camera.depth(scene.placement.to_scene(middle))
+}
+
+/// The picture as the camera stores it; `middle`: depth of the workpiece's middle [m].
+fn picture(frame: &Frame, (scene, middle): (&Scene, f64), exposure: f64) -> Result<Picture, ImageError> {
     let mut frame = frame.clone();
     if let Some(optics) = &scene.looks.optics {
-        let middle = scene.camera.depth(scene.placement.translation_m);
         optics.optics(frame.height, middle).apply(&mut frame);
     }
     sensor(scene, exposure).expose(&mut frame);
     let picture = frame.to_srgb8();
-    // A picture too long for JPEG stays as it is.
-    scene.looks.jpeg_quality.and_then(|quality| through_jpeg(&picture, quality).ok()).unwrap_or(picture)
+    match scene.looks.jpeg_quality {
+        Some(quality) => through_jpeg(&picture, quality),
+        None => Ok(picture),
+    }
 }
 
 fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
@@ -146,7 +157,9 @@ fn sensor(scene: &Scene, exposure: f64) -> Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::corners;
     use crate::{Look, Seeds, Shape};
+    use glam::IVec3;
     use render::label::{IGNORE, SANDED, UNSANDED, counts};
 
     #[test]
@@ -161,7 +174,7 @@ mod tests {
         let from_above = (0..).find(|&placement| draw(placement, &[]).camera.axes[2].z < -0.93).unwrap();
         for looks in [&[][..], &Look::ALL] {
             let scene = draw(from_above, looks);
-            let shot = shoot(&part, &scene, (120, 90));
+            let shot = shoot(&part, &scene, (120, 90)).unwrap();
             // Seen from above, the visible share equals the share of the upper side.
             let share = (0.075 - bare_from) / 0.15;
             assert!((shot.exposed_share - share).abs() < 0.08, "{}", shot.exposed_share);
@@ -176,13 +189,29 @@ mod tests {
     }
 
     #[test]
+    fn a_part_far_from_its_origin_is_in_focus() {
+        let mut part = Shape::Lap.field(2e-3);
+        let shift = IVec3::new(40, -25, 60);
+        part.origin += shift;
+        part.bricks.iter_mut().for_each(|brick| *brick += shift);
+        let scene = Scene::draw(&part, &Seeds { placement: 1, image: 1 }, (64, 48), &[]).unwrap();
+        let depths = corners(&part).unwrap().map(|corner| scene.camera.depth(scene.placement.to_scene(corner)));
+        let (least, greatest) = depths.iter().fold((f64::INFINITY, 0f64), |(l, g), &d| (l.min(d), g.max(d)));
+        let middle = middle_depth(&part, &scene);
+        assert!(least < middle && middle < greatest, "{middle} of {least} to {greatest}");
+        // The origin, on which the camera focused before, lies far outside.
+        let origin = scene.camera.depth(scene.placement.translation_m);
+        assert!(!(least..greatest).contains(&origin), "{origin}");
+    }
+
+    #[test]
     fn every_look_changes_the_picture_and_none_the_labels_by_dose() {
         let mut part = Shape::Hood.field(1.5e-3);
         let y = |place: usize, part: &BrickGrid| part.position(part.voxel_of(place)).y;
         part.dose = (0..part.phi.len()).map(|place| (0.5 + 40.0 * y(place, &part) as f32).max(0.0)).collect();
         let taken = |looks: &[Look]| {
             let scene = Scene::draw(&part, &Seeds { placement: 5, image: 12 }, (96, 72), looks).unwrap();
-            shoot(&part, &scene, (96, 72))
+            shoot(&part, &scene, (96, 72)).unwrap()
         };
         let plain = taken(&[]);
         for look in Look::ALL {

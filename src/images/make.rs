@@ -177,7 +177,7 @@ fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {
         }
     }
     let mut scene = Scene::draw(&part, &recipe.seeds(planned), recipe.size, &recipe.looks)?;
-    let shot = shoot(&part, &scene, recipe.size);
+    let shot = shoot(&part, &scene, recipe.size)?;
     scene.sensor.exposure = shot.exposure;
     set.write_image(planned, &shot, scene, sources)
 }

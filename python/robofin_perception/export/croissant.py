@@ -53,6 +53,8 @@ def _origin(root: Path) -> dict[str, Any]:
     recipe = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     if not str(recipe.get("format")).startswith("robofin-images/"):
         return {}
+    if any(workpiece["origin"]["kind"] == "asset" for workpiece in recipe["workpieces"]):
+        return {"version": recipe["version"]}  # the licence is that of the parts, which the set does not know
     return {"version": recipe["version"], "license": ["https://spdx.org/licenses/MIT",
                                                       "https://spdx.org/licenses/Apache-2.0"]}
 
