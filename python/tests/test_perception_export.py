@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import shutil
 import math
 import os
 import tarfile
@@ -239,6 +240,16 @@ def test_mlcroissant_reads_the_records(balls: Path, tmp_path: Path) -> None:
     records = list(mlcroissant.Dataset(str(out / "croissant.json")).records("train"))
     assert [record["train/id"] for record in records] == [b"train-2", b"train-1", b"train-0"]
     assert records[0]["train/file_name"] == b"images/train-2.png" and records[0]["train/exposed_share"] == 0.25
+
+
+def test_croissant_states_the_licence_of_bundled_workpieces_only(balls: Path, tmp_path: Path) -> None:
+    root = tmp_path / "set"
+    shutil.copytree(balls, root)
+    for kind, stated in (("shape", True), ("asset", False)):
+        recipe = {"format": "robofin-images/2", "version": "0.1.0", "workpieces": [{"origin": {"kind": kind}}]}
+        (root / "dataset.json").write_text(json.dumps(recipe))
+        content = json.loads((write(root, "croissant", tmp_path / kind) / "croissant.json").read_text())
+        assert content["version"] == "0.1.0" and ("license" in content) == stated
 
 
 @pytest.mark.parametrize("to", ["bop", "webdataset", "croissant"])
