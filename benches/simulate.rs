@@ -97,8 +97,8 @@ fn run_once(simulation: &Simulation, model: &CompiledModel) -> (usize, f64) {
 
 fn label(phase: Phase) -> &'static str {
     match phase {
-        Phase::Read => "sheets read",
-        Phase::Squares => "squares",
+        Phase::Read => "height fields read",
+        Phase::Cells => "cells",
         Phase::Model => "model",
         Phase::Integrate => "integration",
         Phase::Apply => "sums and log",

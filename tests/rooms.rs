@@ -8,7 +8,7 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Folder of each crate, with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 23] = [
+const MAY_USE: [(&str, &[&str]); 24] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
@@ -26,7 +26,8 @@ const MAY_USE: [(&str, &[&str]); 23] = [
     ("environments", &["effects", "random", "robot", "sdf-bake", "sim"]),
     ("trial-simulation", &["effects", "robot", "sdf-bake", "shaders", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
-    ("study", &["effects", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
+    ("experiments", &["effects", "lab", "robot", "sdf-bake", "trial-simulation", "trials"]),
+    ("study", &["effects", "experiments", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
     ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),

@@ -8,7 +8,8 @@
 //! [full]`
 
 use effects::{Library, Model, Process};
-use lab::{Diagnosis, Evidence, NextTrial, ScanEvidence, calibrate_scans, separating_trial};
+use experiments::separating_trial;
+use lab::{Diagnosis, Evidence, NextTrial, ScanEvidence, calibrate_scans};
 use trials::trial::{Role, Trial};
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 

@@ -64,8 +64,8 @@ fn main() -> Result<()> {
             }
         };
         let started = Instant::now();
-        let (proposal, before, floor, unit) = proposed(&made, hidden)?;
-        let after = proposal.as_ref().and_then(|proposal| proposal.errors.last()?.evaluation_rms_um).unwrap_or(before);
+        let (proposal, before, floor) = proposed(&made, hidden)?;
+        let after = proposal.as_ref().and_then(|proposal| proposal.errors.last()?.evaluation_rms).unwrap_or(before);
         let name = proposal.as_ref().map_or("none", |proposal| &proposal.forms[0].name);
         let is_right = variables.iter().any(|variable| name.ends_with(&format!("-of-{variable}")));
         if !hidden.is_empty() {
@@ -73,8 +73,9 @@ fn main() -> Result<()> {
             right += usize::from(is_right);
             closed += usize::from(after <= 1.5 * floor);
         }
+        let [before, after, floor] = [before, after, floor].map(|error| ErrorUnit::Metre.shown(error));
         println!(
-            "| {hidden} ({}) | {before:.2} {unit} | {after:.2} | {floor:.2} | {} | {name}: {} | {:.0} |",
+            "| {hidden} ({}) | {before} | {after} | {floor} | {} | {name}: {} | {:.0} |",
             process.name(),
             judgement(hidden, is_right),
             summary(proposal.as_ref()),
@@ -107,8 +108,8 @@ fn made((hidden, process): (&str, Process), seed: u64, size: Size) -> Result<Mad
     Ok(Experiment { plan, trials: plan.usual_trials(), size, choice: Choice::These(hidden), ..new }.make()?)
 }
 
-/// The proposal, and the held-out error of the base law with its noise floor and unit.
-fn proposed(made: &Made, hidden: &str) -> Result<(Option<Proposal>, f64, f64, &'static str)> {
+/// The proposal, and the held-out error of the base law with its noise floor [m].
+fn proposed(made: &Made, hidden: &str) -> Result<(Option<Proposal>, f64, f64)> {
     let library = Library::builtin().without(&[hidden]);
     let mut evidence = ScanEvidence::new(&made.trials, None)?;
     let model = Model::new(evidence.process());
@@ -116,9 +117,9 @@ fn proposed(made: &Made, hidden: &str) -> Result<(Option<Proposal>, f64, f64, &'
     let fit = &calibration.last().fit;
     let held_out = evidence.agreement(&fit.model, Split::Evaluation)?;
     let mean = |of: &dyn Fn(&lab::Agreement) -> f64| {
-        1e6 * (held_out.iter().map(|a| of(a).powi(2)).sum::<f64>() / held_out.len().max(1) as f64).sqrt()
+        (held_out.iter().map(|a| of(a).powi(2)).sum::<f64>() / held_out.len().max(1) as f64).sqrt()
     };
     let (before, floor) = (mean(&|a| a.rms), mean(&|a| a.floor));
     let proposal = propose(&evidence, (&calibration.model, fit), &library, made.answer.seed)?;
-    Ok((proposal, before, floor, ErrorUnit::Micrometre.symbol()))
+    Ok((proposal, before, floor))
 }

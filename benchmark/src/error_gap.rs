@@ -6,7 +6,7 @@ use trials::measure::median;
 /// Least ratio of the base model's held-out error to the floor at which a gap is reported: below, noise dominates.
 const LEAST_GAP: f64 = 1.25;
 
-/// Errors of the held-out passes [µm].
+/// Errors of the held-out passes [m].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Error of the fitted base law.

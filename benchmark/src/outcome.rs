@@ -53,7 +53,7 @@ pub struct Outcome {
     pub regression: CaseAnswer,
     /// Parameters of the final model with their true values.
     pub intervals: Vec<Interval>,
-    /// Errors of the held-out passes [µm].
+    /// Errors of the held-out passes [m].
     pub errors: Errors,
     /// True if a next trial was proposed.
     pub next_trial: bool,
@@ -135,9 +135,9 @@ impl StudyResults {
         studied.parameters = state.parameters();
         let step = |name: Option<&str>| {
             let mut steps = state.record.waterfall.iter().rev();
-            steps.find(|step| name.is_none_or(|name| step.step == name)).and_then(|step| step.evaluation_rms_um)
+            steps.find(|step| name.is_none_or(|name| step.step == name)).and_then(|step| step.evaluation_rms)
         };
-        let floor = state.record.evaluation_noise_floor_um;
+        let floor = state.record.evaluation_noise_floor;
         studied.errors = Errors { base: step(Some(BASE_STEP)), found: step(None), floor };
         Ok(studied)
     }
@@ -161,7 +161,7 @@ impl StudyResults {
         self.said.hint = diagnosis.hint().map(|(hint, _)| hint.suspect.name().to_owned());
         if self.first.is_none() {
             let of = |key: &str| summary[key].as_f64().unwrap_or(0.0);
-            let errors = [of("base_rms_um"), of("noise_floor_um")];
+            let errors = [of("base_rms"), of("noise_floor")];
             self.regression = regression(state.evidence(), diagnosis, errors);
             self.first = Some(summary.clone());
         }
@@ -189,8 +189,11 @@ impl StudyResults {
 
 /// Formats a suspect in one line.
 fn shown(suspect: &Value) -> String {
-    let number = |key: &str, digits: usize| suspect[key].as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-    let held_out = ["evaluation_rms_um_before", "evaluation_rms_um_after"].map(|key| number(key, 2));
+    let scaled = |key: &str, digits: usize, scale: f64| {
+        suspect[key].as_f64().map_or("-".to_owned(), |x| format!("{:.digits$}", scale * x))
+    };
+    let number = |key: &str, digits: usize| scaled(key, digits, 1.0);
+    let held_out = ["evaluation_rms_before", "evaluation_rms_after"].map(|key| scaled(key, 2, 1e6));
     format!(
         "{}: probability {}, Δχ² {}, p-value {}; held out {} -> {} µm",
         suspect["name"].as_str().unwrap_or_default(),

@@ -163,7 +163,7 @@ fn all_cases(outcomes: &[Outcome]) -> String {
 
 fn row(outcome: &Outcome) -> String {
     let case = &outcome.case;
-    let error = |error: Option<f64>| error.map_or("-".to_owned(), |error| format!("{error:.2}"));
+    let error = |error: Option<f64>| error.map_or("-".to_owned(), |error| format!("{:.2}", 1e6 * error));
     format!(
         "| {} | {} | {}{} | {} | {} | {} | {:.2} | {}, {}, {} | {} |\n",
         case.id(),
@@ -183,9 +183,8 @@ fn row(outcome: &Outcome) -> String {
 
 impl CaseAnswer {
     /// The verdict as `--json` writes it.
-    pub fn verdict_word(&self) -> String {
-        let word = self.verdict.and_then(|verdict| serde_json::to_value(verdict).ok());
-        word.and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_else(|| "refused".to_owned())
+    pub fn verdict_word(&self) -> &'static str {
+        self.verdict.map_or("refused", lab::Verdict::word)
     }
 
     /// Named effects, each followed by its indistinguishable ones in brackets, then the effect of a hint.

@@ -8,7 +8,7 @@ use super::definition::{Effect, Holder, Process, Reset, State};
 use super::error::RunError;
 use super::graph::Id;
 use super::inputs::{Lanes, StepValues};
-use super::library::{LAWS, Library};
+use super::library::Library;
 use super::lower::{Lowering, Part};
 use super::model::{Model, ModelError};
 use super::parameter_vector::{ParameterSlot, RowCounts, Slots};
@@ -177,7 +177,7 @@ impl CompiledModel {
     /// True if pressure or rate may be nonlinear in the depth: an effect acts on one of them and is not at its null
     /// value, or a law is not from the library.
     pub fn may_bend(&self) -> bool {
-        let is_own = |part: &Part| !LAWS.iter().any(|(file, _)| file.strip_suffix(".toml") == Some(&part.effect.name));
+        let is_own = |part: &Part| !Library::builtin().laws().iter().any(|law| law.name == part.effect.name);
         self.structure.law_parts.iter().any(is_own)
             || [Hook::Pressure, Hook::Rate].into_iter().any(|hook| self.acting(hook).next().is_some())
     }

@@ -286,6 +286,8 @@ pub struct Effect {
     pub signature: String,
     /// Effects with a similar signature.
     pub confused_with: Vec<String>,
+    /// Place in the order of action: lower numbers act first.
+    pub order: u32,
     /// Parameters in the order of the file.
     pub parameters: Vec<Parameter>,
     /// Named subexpressions of formulas.

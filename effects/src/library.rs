@@ -1,4 +1,7 @@
-//! The known laws and effects: the built-in ones in a fixed order, then the user's own.
+//! The known laws and effects, in the order in which their formulas act if several change the same value: the pose of
+//! the tool, the contact and its pressure, spindle and force (the sensor measures the result of the control loop, so
+//! bias and lag come last), removal (effects that add come before those that multiply), the scan. Each file states its
+//! own place, `order`; files without one act last.
 
 use std::sync::OnceLock;
 
@@ -8,62 +11,8 @@ use super::error::{EffectError, Problem};
 use super::read::read;
 use super::toml_text::Source;
 
-macro_rules! files {
-    ($($name:literal,)*) => { &[$(($name, include_str!(concat!("../library/", $name))),)*] };
-}
-
-/// The base laws.
-pub const LAWS: &[(&str, &str)] = files!["winkler.toml", "preston-threshold.toml", "preston-sanding.toml",];
-
-/// The effects, in the order in which their formulas act if several change the same value.
-pub const EFFECTS: &[(&str, &str)] = files![
-    // The pose of the tool.
-    "path-offset.toml",
-    "clock-offset.toml",
-    "tool-tilt.toml",
-    "robot-compliance.toml",
-    // The shape of the contact and its pressure.
-    "wheel-crown.toml",
-    "wheel-wear.toml",
-    "contact-stiffening.toml",
-    "viscoelastic-pad.toml",
-    "lateral-coupling.toml",
-    "edge-pressure.toml",
-    // Spindle and force. The sensor measures the result of the control loop, so bias and lag come last.
-    "spindle-droop.toml",
-    "chatter.toml",
-    "slide-friction.toml",
-    "entry-overshoot.toml",
-    "force-drift.toml",
-    "force-bias.toml",
-    "force-lag.toml",
-    // Removal. Effects that add to the base law come before those that multiply it.
-    "random-orbit.toml",
-    "threshold-variant.toml",
-    "pressure-exponent.toml",
-    "speed-exponent.toml",
-    "break-in.toml",
-    "grit-dulling.toml",
-    "self-sharpening.toml",
-    "pad-loading.toml",
-    "thermal-softening.toml",
-    "coolant.toml",
-    "cutting-direction.toml",
-    "material-grindability.toml",
-    "surface-layer.toml",
-    "layered-coating.toml",
-    "coating-thickness.toml",
-    "feed-ramp.toml",
-    "pass-gain.toml",
-    // The scan, from the surface to the reading.
-    "scan-shift.toml",
-    "slope-bias.toml",
-    "lateral-blur.toml",
-    "height-gain.toml",
-    "stitching.toml",
-    "scan-tilt.toml",
-    "exposure-threshold.toml",
-];
+/// All files of the library by name, as `build.rs` lists them.
+pub const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/library.rs"));
 
 /// Laws and effects by name.
 #[derive(Clone, Debug)]
@@ -80,16 +29,28 @@ impl Library {
     pub fn builtin() -> &'static Self {
         static BUILTIN: OnceLock<Library> = OnceLock::new();
         BUILTIN.get_or_init(|| {
-            let load_all = |files: &[(&str, &str)], laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
-                files.iter().map(|&(file, text)| load(file, text, laws)).collect()
+            let read_all = || FILES.iter().map(|&(file, text)| read(Source { file, text }));
+            let of = |kind: Kind, laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
+                let read: Vec<Effect> = read_all().collect::<Result<_, _>>()?;
+                let own = read.into_iter().filter(|effect| effect.kind == kind);
+                own.map(|effect| with_units(effect, laws)).collect()
             };
-            let laws = load_all(LAWS, &[]).unwrap_or_else(|error| panic!("{error}"));
-            let effects = load_all(EFFECTS, &laws).unwrap_or_else(|error| panic!("{error}"));
-            Self { laws, effects }
+            let laws = of(Kind::Law, &[]).unwrap_or_else(|error| panic!("{error}"));
+            let effects = of(Kind::Effect, &laws).unwrap_or_else(|error| panic!("{error}"));
+            Self { laws, effects }.sorted()
         })
     }
 
-    /// Adds a user's files, given as name and text. They act after the built-in effects, in the order of their names.
+    /// Sorts by the order of action, and by name where it is equal.
+    fn sorted(mut self) -> Self {
+        for parts in [&mut self.laws, &mut self.effects] {
+            parts.sort_by(|a, b| a.order.cmp(&b.order).then_with(|| a.name.cmp(&b.name)));
+        }
+        self
+    }
+
+    /// Adds a user's files, given as name and text. Those without `order` act after the built-in effects, in the order
+    /// of their names.
     ///
     /// # Errors
     /// The first fault of a file, or a name that is already used.
@@ -107,7 +68,7 @@ impl Library {
                 Kind::Effect => library.effects.push(effect),
             }
         }
-        library.effects[EFFECTS.len()..].sort_by(|a, b| a.name.cmp(&b.name));
+        let library = library.sorted();
         for effect in library.all().filter(|effect| files.iter().any(|(file, _)| *file == effect.file)) {
             check(effect, &library.laws)?;
         }
@@ -163,7 +124,10 @@ pub fn check_file(file: &str, text: &str) -> Result<Effect, EffectError> {
 
 /// Reads a file and infers the units that it leaves open.
 fn load(file: &str, text: &str, laws: &[Effect]) -> Result<Effect, EffectError> {
-    let mut effect = read(Source { file, text })?;
+    with_units(read(Source { file, text })?, laws)
+}
+
+fn with_units(mut effect: Effect, laws: &[Effect]) -> Result<Effect, EffectError> {
     // A circular definition has no dimension from which a unit could be inferred.
     check_circles(&effect)?;
     infer_units(&mut effect, laws)?;

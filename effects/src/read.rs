@@ -14,8 +14,22 @@ const MOST_PARTS: usize = 4096;
 /// Greatest number of entries of each of `[parameters]`, `[let]` and `[state]`.
 const MOST_ENTRIES: usize = 256;
 
-const KEYS: [&str; 11] =
-    ["name", "title", "process", "source", "signature", "confused_with", "parameters", "let", "state", "modify", "law"];
+const KEYS: [&str; 12] = [
+    "name",
+    "title",
+    "process",
+    "source",
+    "signature",
+    "confused_with",
+    "order",
+    "parameters",
+    "let",
+    "state",
+    "modify",
+    "law",
+];
+/// Place in the order of action of files that state none: after all others.
+const LAST: u32 = u32::MAX;
 const PARAMETER_KEYS: [&str; 9] = ["symbol", "unit", "null", "range", "scale", "default", "free", "per", "about"];
 const STATE_KEYS: [&str; 9] = ["per", "unit", "rate", "target", "time", "initial", "reset", "min", "max"];
 
@@ -46,6 +60,7 @@ pub fn read(source: Source) -> Result<Effect, EffectError> {
         process: process(&root)?,
         signature: root.optional_text("signature")?.unwrap_or_default(),
         confused_with: root.get("confused_with").map(|entry| entry.texts()).transpose()?.unwrap_or_default(),
+        order: root.get("order").map(|entry| entry.whole()).transpose()?.unwrap_or(LAST),
         parameters: parameters.iter().map(|(name, table)| parameter(name, table)).collect::<Result<_, _>>()?,
         definitions: definitions(&root)?,
         states: states.iter().map(|(name, table)| state(name, table)).collect::<Result<_, _>>()?,

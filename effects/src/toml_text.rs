@@ -165,6 +165,12 @@ impl<'a> Entry<'a> {
         self.item.as_bool().ok_or_else(|| self.unfit(self.found(), "true or false"))
     }
 
+    /// Reads the entry as a whole number from 0.
+    pub fn whole(&self) -> Result<u32, EffectError> {
+        let number = self.item.as_integer().and_then(|number| u32::try_from(number).ok());
+        number.ok_or_else(|| self.unfit(self.found(), "a whole number from 0"))
+    }
+
     /// Reads the entry as a table.
     pub fn section(&self) -> Result<Section<'a>, EffectError> {
         let table = self.item.as_table_like().ok_or_else(|| self.unfit(self.found(), "a table"))?;

@@ -65,13 +65,16 @@ fn null(table: &Table, (predicted, left): &(Vec<f64>, Vec<f64>), draw: usize) ->
 
 fn describe(table: &Table, summary: &DiagnosisSummary, notes: &[String]) {
     println!("== {}: {:?}. {}", table.name, summary.verdict, summary.sentence);
+    let unit = summary.error_unit;
     table.notes.iter().chain(notes).for_each(|note| println!("   note: {note}"));
     println!(
-        "   base {:.2}, final {:.2}, floor {:.2}",
-        summary.base_rms_um, summary.final_rms_um, summary.noise_floor_um
+        "   base {}, final {}, floor {}",
+        unit.shown(summary.base_rms),
+        unit.shown(summary.final_rms),
+        unit.shown(summary.noise_floor)
     );
     for step in &summary.waterfall {
-        println!("   {}: {:.2}, held out {:.2?}", step.step, step.calibration_rms_um, step.evaluation_rms_um);
+        println!("   {}", step.shown(unit));
     }
     for suspect in &summary.suspects {
         println!("   {}: {}", suspect.search, suspect.shown());
@@ -101,9 +104,9 @@ fn main() -> Outcome<()> {
             let is_named = !names.is_empty() && summary.verdict != Verdict::NothingMissing;
             if is_named || summary.verdict == Verdict::Unknown || std::env::var("ALL").is_ok() {
                 let first = summary.suspects.first().map_or(String::new(), |suspect| suspect.shown());
-                let (base, floor) = (&summary.waterfall[0], summary.noise_floor_um);
-                let (fitted, held_out) = (base.calibration_rms_um, base.evaluation_rms_um.unwrap_or(f64::NAN));
-                println!("   draw {draw}: {:?}, {fitted:.1} and {held_out:.1} of {floor:.1}; {first}", summary.verdict);
+                let base = summary.waterfall[0].shown(summary.error_unit);
+                let floor = summary.error_unit.shown(summary.noise_floor);
+                println!("   draw {draw}: {:?}, {base}, floor {floor}; {first}", summary.verdict);
             }
         }
         verdicts.iter().for_each(|(verdict, count)| println!("   null: {verdict}: {count} of {draws}"));

@@ -138,7 +138,7 @@ impl Tried for ScanEvidence<'_> {
         };
         self.measure_simulation_errors(&with.model)?;
         let end = |fit: Fit, options: FitOptions| -> Result<Fit, EvidenceError> {
-            Ok(fit.seen_anew(self)?.finished(self, options))
+            Ok(fit.reevaluated(self)?.finished(self, options))
         };
         let (before, with) = rayon::join(|| end(before, CARRIED), || end(with, LAST));
         let (before, with) = (before?, with?);

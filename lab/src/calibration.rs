@@ -169,7 +169,7 @@ impl Calibration {
     /// If a model can no longer be simulated.
     pub fn renewed(mut self, evidence: &dyn Totals) -> Result<Self> {
         for step in &mut self.steps {
-            step.fit = step.fit.clone().seen_anew(evidence)?.finished(evidence, RENEWED);
+            step.fit = step.fit.clone().reevaluated(evidence)?.finished(evidence, RENEWED);
         }
         for k in 1..self.steps.len() {
             if self.steps[k].fit.chi2 > self.steps[k - 1].fit.chi2 {

@@ -1,4 +1,4 @@
-//! Summary of a calibration: library units, lengths in µm.
+//! Summary of a calibration: parameters in the library's units, errors in [`ErrorUnit`].
 
 use effects::{CompiledModel, Library};
 use serde::Serialize;
@@ -6,12 +6,13 @@ use serde::Serialize;
 use super::calibration::{Calibration, Judged, Order};
 use super::evidence::{ErrorUnit, EvidenceError, Split};
 use super::fit::Fit;
-use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summary, rms, step};
+use super::summary::{ParameterSummary, WaterfallStep, floor_of, parameter_summary, step};
 use super::totals::{Total, Totals};
+use super::verdict::rms;
 use crate::criteria::{CriterionValues, STRONG_CORRELATION};
 
 /// Correlation of the errors of two parameters.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Correlation {
     /// Names of the parameters.
     pub between: [String; 2],
@@ -37,12 +38,12 @@ pub struct RemovalError {
 pub struct CalibrationSummary {
     /// The order of the fits.
     pub order: Order,
-    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: metres for scans, shares of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// Noise floor of the calibration passes [µm].
-    pub noise_floor_um: f64,
-    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
-    pub evaluation_noise_floor_um: Option<f64>,
+    /// Noise floor of the calibration passes.
+    pub noise_floor: f64,
+    /// Noise floor of the evaluation passes; absent where none is held out.
+    pub evaluation_noise_floor: Option<f64>,
     /// Robust χ² of the whole model: sum of squared whitened residuals, in which outliers count linearly.
     pub chi2: f64,
     /// Number of data minus free parameters; χ² is near it where only noise is left.
@@ -86,14 +87,13 @@ impl CalibrationSummary {
         let fitted: Vec<Step> =
             calibration.steps.iter().map(|f| judge(&f.name, &f.fit.model)).collect::<Result<_, EvidenceError>>()?;
         let (mut waterfall, _) = beginning(evidence, &calibration.start)?;
-        waterfall.extend(
-            fitted.iter().map(|s| step(s.name.clone(), unit, &s.calibration.agreement, &s.evaluation.agreement)),
-        );
+        waterfall
+            .extend(fitted.iter().map(|s| step(s.name.clone(), &s.calibration.agreement, &s.evaluation.agreement)));
         let last = calibration.last();
         let parameters: Vec<ParameterSummary> = last.estimates().iter().map(parameter_summary).collect();
         let correlations = correlations(&last.fit);
-        let floor = fitted.last().map_or(0.0, |s| rms(&s.calibration.agreement, unit, |a| a.floor));
-        let evaluation_noise_floor_um = fitted.last().and_then(|s| floor_of(&s.evaluation.agreement, unit));
+        let floor = fitted.last().map_or(0.0, |s| rms(&s.calibration.agreement, |a| a.floor));
+        let evaluation_noise_floor = fitted.last().and_then(|s| floor_of(&s.evaluation.agreement));
         let mut remarks: Vec<String> = parameters.iter().filter_map(remark).collect();
         remarks.extend(correlations.iter().filter_map(in_words));
         remarks.extend(unseen(evidence, calibration, library));
@@ -102,12 +102,12 @@ impl CalibrationSummary {
         if !last.fit.converged {
             remarks.push("the fit still improved when it was ended: the values may move a little more".to_owned());
         }
-        let removal = if unit == ErrorUnit::Micrometre { removal(&fitted) } else { Vec::new() };
+        let removal = if unit == ErrorUnit::Metre { removal(&fitted) } else { Vec::new() };
         Ok(Self {
             order: calibration.order,
             error_unit: unit,
-            noise_floor_um: floor,
-            evaluation_noise_floor_um,
+            noise_floor: floor,
+            evaluation_noise_floor,
             chi2: last.fit.chi2,
             degrees_of_freedom: last.fit.residuals.len().saturating_sub(last.fit.at.len()),
             waterfall,
@@ -126,26 +126,25 @@ impl CalibrationSummary {
 /// # Errors
 /// If the model cannot be simulated.
 pub fn beginning(evidence: &dyn Totals, model: &CompiledModel) -> Result<Beginning, EvidenceError> {
-    let unit = evidence.unit();
     let mean = |all: &[f64]| {
-        (!all.is_empty())
-            .then(|| (all.iter().map(|rms| rms * rms).sum::<f64>() / all.len() as f64).sqrt() * unit.per_one())
+        (!all.is_empty()).then(|| (all.iter().map(|rms| rms * rms).sum::<f64>() / all.len() as f64).sqrt())
     };
     let mut steps = Vec::new();
     let raw = mean(&evidence.unregistered(model, Split::Calibration)?);
-    if let Some(calibration_rms_um) = raw {
-        let evaluation_rms_um = mean(&evidence.unregistered(model, Split::Evaluation)?);
-        steps.push(WaterfallStep { step: "raw".to_owned(), calibration_rms_um, evaluation_rms_um });
+    if let Some(calibration_rms) = raw {
+        let evaluation_rms = mean(&evidence.unregistered(model, Split::Evaluation)?);
+        steps.push(WaterfallStep { step: "raw".to_owned(), calibration_rms, evaluation_rms });
     }
     let agreement = [Split::Calibration, Split::Evaluation].map(|split| evidence.agreement(model, split));
     let [seen, held_out] = agreement;
     let (seen, held_out) = (seen?, held_out?);
     let name = if raw.is_some() { "registered" } else { "not calibrated" };
-    steps.push(step(name.to_owned(), unit, &seen, &held_out));
-    Ok((steps, (rms(&seen, unit, |a| a.floor), floor_of(&held_out, unit))))
+    steps.push(step(name.to_owned(), &seen, &held_out));
+    Ok((steps, (rms(&seen, |a| a.floor), floor_of(&held_out))))
 }
 
-fn correlations(fit: &Fit) -> Vec<Correlation> {
+/// Correlations of the errors of a fit's parameters: every pair once; empty if the fit determines none.
+pub fn correlations(fit: &Fit) -> Vec<Correlation> {
     let Some(covariance) = fit.covariance(1.0) else { return Vec::new() };
     let names: Vec<String> = fit.coordinates.iter().map(|c| c.slot.name()).collect();
     let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (j, i)));

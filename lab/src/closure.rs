@@ -8,11 +8,10 @@ use glam::DVec2;
 use nalgebra::DMatrix;
 
 use super::evidence::{Evidence, EvidenceError, Split};
-use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::scans::{ScanEvidence, ScanView};
 use super::tiles::Tiles;
 use crate::criteria::{
     CLOSURE_PART_ACROSS, CLOSURE_PART_ALONG, CLOSURE_PASS_ACROSS, CLOSURE_PASS_ALONG, FOLDS_LEAST, SMOOTH_ERROR_PASS,
-    SMOOTH_ERROR_REMOVAL,
 };
 
 /// Bounding rectangle of the tiles, aligned with the longer axis.
@@ -73,17 +72,11 @@ impl ScanEvidence<'_> {
     /// If exposure borders are needed and the model cannot be simulated.
     pub(super) fn smooth_error_columns(&self, model: &CompiledModel) -> Result<DMatrix<f64>, EvidenceError> {
         let views: Vec<&ScanView> = self.of(Split::Calibration).collect();
-        let masks = views.iter().any(|view| matches!(view.data, ScanData::Exposure(_)));
-        let agreement = if masks { self.agreement(model, Split::Calibration)? } else { Vec::new() };
+        let reads_model = views.iter().any(|view| view.data.as_heights().is_none());
+        let agreement = if reads_model { self.agreement(model, Split::Calibration)? } else { Vec::new() };
         let error = |(scan, view): (usize, &&ScanView)| -> Vec<f64> {
-            let removed = self.removed(view).into_iter();
-            match &view.data {
-                ScanData::Heights(_) => removed.map(|removed| SMOOTH_ERROR_REMOVAL * removed).collect(),
-                ScanData::Exposure(_) => {
-                    let shift = agreement[scan].smooth_error;
-                    removed.map(|reach| if reach > 0.0 { shift } else { 0.0 }).collect()
-                }
-            }
+            let own = agreement.get(scan).map_or(0.0, |agreement| agreement.smooth_error);
+            view.data.smooth_error(&self.removed(view), own)
         };
         let errors: Vec<Vec<f64>> = views.iter().enumerate().map(error).collect();
         // A pass may also have an error common to all its tiles.
@@ -114,16 +107,9 @@ impl ScanEvidence<'_> {
         matrix
     }
 
-    /// Removed depth of each tile up to a scan [m]; for an exposure mask, the largest detectable border shift [m].
+    /// As [`super::observation::Observation::removed`].
     fn removed(&self, view: &ScanView) -> Vec<f64> {
-        match &view.data {
-            ScanData::Heights(data) => {
-                let before = &self.simulation.trials[view.trial].trial.scans.before.heights;
-                let removed = data.tiles.means(|at| before[at] - data.measured.heights[at]);
-                removed.into_iter().map(|removed| if removed.is_finite() { removed.max(0.0) } else { 0.0 }).collect()
-            }
-            ScanData::Exposure(data) => data.reached(),
-        }
+        view.data.removed(self.untouched(view).heights)
     }
 
     /// Fold number of each datum of the calibration scans; a fold is a stretch of one pass.
@@ -162,7 +148,7 @@ fn columns(
             let hats: Vec<Vec<f64>> = tiles.centres.iter().map(|centre| frame.hats(*centre, shape)).collect();
             for (k, column) in own.iter_mut().enumerate() {
                 let field: Vec<f64> = hats.iter().zip(&removed).map(|(hats, removed)| hats[k] * removed).collect();
-                column.extend(view.data.whitened_field(&field));
+                column.extend(view.data.whitener().whitened_field(&field));
             }
         }
         all.extend(own);

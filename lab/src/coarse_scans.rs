@@ -4,7 +4,7 @@
 use effects::CompiledModel;
 
 use super::evidence::{EvidenceError, Split};
-use super::observation::Observation;
+use super::nuisances::Nuisances;
 use super::repredicted::Prediction;
 use super::scans::ScanEvidence;
 use super::totals::Total;
@@ -30,6 +30,6 @@ impl Prediction for CoarseLattice<'_, '_> {
     }
 
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
-        self.usual.totals_of((&self.simulate(model, split)?, model), split, Observation::default())
+        self.usual.totals_of((&self.simulate(model, split)?, model), split, Nuisances::default())
     }
 }

@@ -198,7 +198,7 @@ fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
 }
 
 /// Prior precision of coordinates: the library's range is a 95 % interval.
-pub(super) fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
+pub fn prior(coordinates: &[Coordinate]) -> DVector<f64> {
     let precision = |coordinate: &Coordinate| {
         let [least, greatest] = coordinate.listed();
         (2.0 * INTERVAL_SIGMAS / (greatest - least)).powi(2)

@@ -93,7 +93,7 @@ impl Fit {
         let pairs: Vec<([Place; 2], usize)> = self
             .principal_steps(0.5 * DERIVATIVE_CHANGE_AIM, 0.5 * DERIVATIVE_LONGEST_STEP)
             .into_par_iter()
-            .map(|way| self.sound_ends(evidence, &way))
+            .map(|way| self.distinct_ends(evidence, &way))
             .collect();
         self.runs += pairs.iter().map(|(_, runs)| runs).sum::<usize>();
         let places: Vec<[Place; 2]> = pairs.into_iter().map(|(places, _)| places).collect();
@@ -110,7 +110,7 @@ impl Fit {
     /// Places on both sides along a step, and the number of simulations. The step is lengthened where the two differ by
     /// less than the required change: overestimated derivatives make steps too short, and numerical noise would then
     /// keep them large.
-    fn sound_ends(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
+    fn distinct_ends(&self, evidence: &dyn Evidence, way: &[f64]) -> ([Place; 2], usize) {
         let near = self.ends(evidence, way);
         let change = near[0].distance(&near[1]);
         let factor = (DERIVATIVE_CHANGE_AIM / change.max(1.0)).min(0.5 * longest_factor(way));

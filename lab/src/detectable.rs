@@ -45,20 +45,20 @@ pub struct Detectable {
 /// - `spread`: standard deviation of the whitened residuals
 /// - `least_size`: root mean square of what an effect must explain, in the data's unit
 pub fn detectable(look: &Look, screened: &Screened, (spread, least_size): (f64, f64)) -> Vec<Detectable> {
-    let sight = Sight { look, screened, wanted: DETECTABLE_SIGMAS * spread, least_size };
+    let detection = Detection { look, screened, wanted: DETECTABLE_SIGMAS * spread, least_size };
     let groups: Vec<&[Response]> = screened.typical().filter(|group| !group.is_empty()).collect();
-    groups.into_par_iter().filter_map(|group| sight.of(group)).collect()
+    groups.into_par_iter().filter_map(|group| detection.of(group)).collect()
 }
 
 /// Conditions under which an effect is detectable.
-struct Sight<'a> {
+struct Detection<'a> {
     look: &'a Look<'a>,
     screened: &'a Screened,
     wanted: f64,
     least_size: f64,
 }
 
-impl Sight<'_> {
+impl Detection<'_> {
     /// Detectable size from the probes of one amplitude.
     fn of(&self, group: &[Response]) -> Option<Detectable> {
         let k = group[0].probe.amplitude;

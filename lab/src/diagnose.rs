@@ -20,7 +20,7 @@ use crate::criteria::{MOST_EFFECTS, NAMED_PROBABILITY, SPREAD_CUT_SIGMAS};
 use trials::measure::{MAD_TO_SIGMA, median};
 
 /// Reason for an effect that was not weighed because none of its simulations completed.
-const TOO_DEAR: &str = "its simulation fails or takes several times as many steps as the base model's";
+const TOO_EXPENSIVE: &str = "its simulation fails or takes several times as many steps as the base model's";
 
 /// Result of a diagnosis.
 pub struct Diagnosis {
@@ -78,13 +78,13 @@ impl Search {
         evidence: &dyn Evidence,
         (model, base): (&Model, &Fit),
         library: &Library,
-        (seed, told): (u64, OnProgress),
+        (seed, on_progress): (u64, OnProgress),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
         let (mut grown, mut fit) = (model.clone(), base.clone());
         let mut rounds: Vec<Round> = Vec::new();
         while rounds.len() < searches {
-            let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, told))?;
+            let round = Round::new(evidence, (&grown, fit.clone()), library, (seed, on_progress))?;
             let found = round.nameable().filter(|found| found.probability >= NAMED_PROBABILITY).cloned();
             rounds.push(round);
             let Some(found) = found else { break };
@@ -138,9 +138,9 @@ impl Diagnosis {
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
         library: &Library,
-        (seed, told): (u64, OnProgress),
+        (seed, on_progress): (u64, OnProgress),
     ) -> Result<Self, EvidenceError> {
-        Self::within(evidence, (model, base), library, (seed, told), MOST_EFFECTS)
+        Self::within(evidence, (model, base), library, (seed, on_progress), MOST_EFFECTS)
     }
 
     /// As [`Diagnosis::new`], with a limited number of searches.
@@ -151,15 +151,15 @@ impl Diagnosis {
         evidence: &dyn Evidence,
         (model, base): (&Model, Fit),
         library: &Library,
-        (seed, told): (u64, OnProgress),
+        (seed, on_progress): (u64, OnProgress),
         searches: usize,
     ) -> Result<Self, EvidenceError> {
-        let mut search = Search::one_by_one(evidence, (model, &base), library, (seed, told), searches)?;
+        let mut search = Search::one_by_one(evidence, (model, &base), library, (seed, on_progress), searches)?;
         let detectable = seen(evidence, &search.rounds[0]);
         let blind = blind(evidence, library, &search.rounds);
         let mut verdict = search.judged(evidence, &detectable)?;
         if verdict == Verdict::Unknown
-            && let Some(pair) = pair(evidence, &search.rounds[0], (model, library), (seed, told))?
+            && let Some(pair) = pair(evidence, &search.rounds[0], (model, library), (seed, on_progress))?
         {
             search = Search::of_pair(pair, model, searches);
             verdict = search.judged(evidence, &detectable)?;
@@ -210,5 +210,5 @@ fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
 fn blind(evidence: &dyn Evidence, library: &Library, rounds: &[Round]) -> BTreeMap<String, String> {
     let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
     let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
-    blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_DEAR.to_owned()))).collect()
+    blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_EXPENSIVE.to_owned()))).collect()
 }

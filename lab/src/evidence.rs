@@ -36,33 +36,38 @@ pub enum EvidenceError {
     NoData(String),
 }
 
-/// Unit of the errors of data.
+/// Unit of the errors of data. Every stored error is in it; texts and pages use its display unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ErrorUnit {
-    /// Micrometres.
+    /// Metres, displayed in µm.
     #[default]
-    #[serde(rename = "um")]
-    Micrometre,
-    /// Percent of the removal.
-    #[serde(rename = "percent")]
-    Percent,
+    #[serde(rename = "m")]
+    Metre,
+    /// Shares of the removal, displayed in percent.
+    #[serde(rename = "1")]
+    Share,
 }
 
 impl ErrorUnit {
-    /// Factor from SI, or from a ratio, to the display unit (1e6 for µm).
+    /// Number of display units in one unit (1e6 for metres).
     pub fn per_one(self) -> f64 {
         match self {
-            Self::Micrometre => 1e6,
-            Self::Percent => 100.0,
+            Self::Metre => 1e6,
+            Self::Share => 100.0,
         }
     }
 
-    /// Symbol for display.
+    /// Symbol of the display unit.
     pub fn symbol(self) -> &'static str {
         match self {
-            Self::Micrometre => "µm",
-            Self::Percent => "%",
+            Self::Metre => "µm",
+            Self::Share => "%",
         }
+    }
+
+    /// Formats an error in the display unit, to two decimals.
+    pub fn shown(self, error: f64) -> String {
+        format!("{:.2} {}", error * self.per_one(), self.symbol())
     }
 }
 
@@ -113,7 +118,7 @@ pub trait Evidence: Sync {
 
     /// Unit of the errors.
     fn unit(&self) -> ErrorUnit {
-        ErrorUnit::Micrometre
+        ErrorUnit::Metre
     }
 
     /// Returns a model with the bounds and reference values that these data need for its effects.

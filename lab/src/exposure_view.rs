@@ -2,15 +2,22 @@
 
 use std::collections::BTreeMap;
 
+use effects::CompiledModel;
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
+use sdf_bake::HeightMap;
 
 use super::border::{Border, Seen};
 use super::covariance::{Freedom, Whitener};
+use super::evidence::{Agreement, EvidenceError};
+use super::observation::{Observation, Untouched};
 use super::tiles::{TileGrid, Tiles};
+use super::totals::Total;
 use crate::criteria::{
-    BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, BORDER_TILE_ERROR_LEAST, PART_SHIFT_SIGMA,
+    BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, BORDER_TILE_ERROR_LEAST, COATING_ERROR_RATIO,
+    PART_SHIFT_SIGMA, SMOOTH_ERROR_EXPOSURE,
 };
+use trial_simulation::SimulatedPass;
 use trials::measure::median;
 use trials::trial::ExposureMask;
 
@@ -60,31 +67,6 @@ impl ExposureView {
         (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
     }
 
-    /// Measured minus simulated distance of each tile from the border, whitened.
-    ///
-    /// - `margin`: simulated dose minus the exposure threshold, one per pixel
-    pub fn whitened(&self, margin: &[f64]) -> Vec<f64> {
-        let simulated = seen(&self.tiles, margin, &Border::new(margin, self.measured.pixels), self.reach);
-        let difference: Vec<f64> =
-            self.distances.iter().zip(simulated).map(|(measured, seen)| measured - seen.distance).collect();
-        self.whitener.whiten(&difference)
-    }
-
-    /// Change of the tiles' distances [m] for a change of the whitened ones; the lateral shift absorbs what it can.
-    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
-        self.whitener.unwhiten(change)
-    }
-
-    /// Whitener of the tiles' distances: noise of the border, and shift of the part between scans.
-    pub(super) fn whitener(&self) -> &Whitener {
-        &self.whitener
-    }
-
-    /// Range of border shifts that each tile resolves [m]; 0 for tiles out of reach.
-    pub(super) fn reached(&self) -> Vec<f64> {
-        self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
-    }
-
     /// Least distance [m] that pixels of this pitch resolve: the scatter of the border, but at least half a pixel.
     pub fn border_floor(&self) -> f64 {
         self.scatter.max(BORDER_FLOOR_LEAST * self.measured.pixels.pitch)
@@ -99,7 +81,7 @@ impl ExposureView {
     /// Distance across the border over which the simulated dose changes by the exposure threshold [m]; median over the
     /// border.
     ///
-    /// - `margin`: as in [`Self::whitened`]
+    /// - `margin`: simulated dose minus the exposure threshold, one per pixel
     pub fn border_width(&self, margin: &[f64]) -> f64 {
         let pixels = self.measured.pixels;
         let inside = |i: usize, j: usize| i > 0 && j > 0 && i + 1 < pixels.nx && j + 1 < pixels.ny;
@@ -132,6 +114,64 @@ impl ExposureView {
     fn border_length(&self) -> f64 {
         let field: Vec<f64> = majority(&self.measured).iter().map(|share| share - 0.5).collect();
         Border::new(&field, self.measured.pixels).crossings().max(1) as f64
+    }
+}
+
+impl Observation for ExposureView {
+    fn tiles(&self) -> &Tiles {
+        &self.tiles
+    }
+
+    fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
+    /// Dose minus the exposure threshold.
+    fn predicted(
+        &self,
+        (pass, model): (&SimulatedPass, &CompiledModel),
+        _: &dyn Fn(&HeightMap) -> HeightMap,
+    ) -> Result<Vec<f64>, EvidenceError> {
+        Ok(pass.surface.dose_margin(model)?.expect("a sanded surface has doses"))
+    }
+
+    /// Measured minus simulated distance of each tile from the border, whitened.
+    fn whitened(&self, predicted: &[f64]) -> Vec<f64> {
+        let simulated = seen(&self.tiles, predicted, &Border::new(predicted, self.measured.pixels), self.reach);
+        let difference: Vec<f64> =
+            self.distances.iter().zip(simulated).map(|(measured, seen)| measured - seen.distance).collect();
+        self.whitener.whiten(&difference)
+    }
+
+    fn agreement(&self, predicted: &[f64], _: Untouched) -> Agreement {
+        let (rms, floor) = (self.border_distance(predicted), self.border_floor());
+        let scale = COATING_ERROR_RATIO * self.border_width(predicted);
+        let smooth_error = SMOOTH_ERROR_EXPOSURE * scale;
+        Agreement { about: String::new(), rms, floor, noise: self.border_noise(), scale, smooth_error }
+    }
+
+    /// Exposed area over all tiles [m²].
+    fn total(&self, predicted: &[f64], _: &HeightMap) -> Total {
+        let pixel = self.measured.pixels.pitch.powi(2);
+        let area =
+            |is_bare: &dyn Fn(usize) -> bool| pixel * self.tiles.pixels().filter(|&(_, at)| is_bare(at)).count() as f64;
+        let measured = area(&|at| self.measured.exposed[at] == Some(true));
+        let predicted = area(&|at| predicted[at] >= 0.0);
+        Total { about: String::new(), measured, predicted, sigma: self.area_sigma() }
+    }
+
+    /// Range of border shifts that each tile resolves; 0 for tiles out of reach.
+    fn removed(&self, _: &HeightMap) -> Vec<f64> {
+        self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
+    }
+
+    /// A shift of the border.
+    fn smooth_error(&self, removed: &[f64], error: f64) -> Vec<f64> {
+        removed.iter().map(|reach| if *reach > 0.0 { error } else { 0.0 }).collect()
+    }
+
+    fn as_exposure(&self) -> Option<&ExposureView> {
+        Some(self)
     }
 }
 

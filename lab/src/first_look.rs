@@ -34,7 +34,7 @@ pub struct Promise {
 pub struct FirstLook {
     /// The fitted law.
     pub law: CompiledModel,
-    /// Root mean square residual of the calibration data, in the unit of errors.
+    /// Root mean square residual of the calibration data [unit of errors].
     pub rms: f64,
     /// The most promising effects.
     pub promises: Vec<Promise>,
@@ -68,7 +68,7 @@ impl FirstLook {
         promises.sort_by(|a, b| b.share.total_cmp(&a.share));
         promises.truncate(FIRST_LOOK_EFFECTS);
         let left = evidence.agreement(&base.model, Split::Calibration)?;
-        Ok(Self { rms: evidence.unit().per_one() * rms(&left, |scan| scan.rms), promises, law: base.model })
+        Ok(Self { rms: rms(&left, |scan| scan.rms), promises, law: base.model })
     }
 }
 

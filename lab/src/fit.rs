@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::coordinates::{Bound, Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
-use super::uncertainty::Doubt;
+use super::uncertainty::ErrorTerms;
 use crate::criteria::{
     FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_CHI2_PER_DATUM, RESTART_DISTANCE,
 };
@@ -61,7 +61,7 @@ pub struct Fit {
     /// Starting values [coordinates].
     pub(super) begun: Vec<f64>,
     /// Contributions to the parameters' covariance beside the curvature of χ²; `None` before the first step.
-    pub(super) doubt: Option<Doubt>,
+    pub(super) error_terms: Option<ErrorTerms>,
 }
 
 /// A simulated point in coordinate space.
@@ -146,17 +146,28 @@ impl Fit {
         let chi2 = robust_sum(&residuals);
         let jacobian = DMatrix::zeros(residuals.len(), coordinates.len());
         let begun = at.clone();
-        Ok(Self { model, coordinates, at, residuals, jacobian, chi2, converged: false, runs: 1, begun, doubt: None })
+        Ok(Self {
+            model,
+            coordinates,
+            at,
+            residuals,
+            jacobian,
+            chi2,
+            converged: false,
+            runs: 1,
+            begun,
+            error_terms: None,
+        })
     }
 
-    /// Continues the fit on the present data, and determines the covariance contributions of [`Doubt`].
+    /// Continues the fit on the present data, and determines the covariance contributions of [`ErrorTerms`].
     pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let fit = Self { converged: false, ..self }.stepped(evidence, options);
         // A fitted model can be simulated.
         let smooth = evidence.smooth_errors(&fit.model).unwrap_or_else(|_| DMatrix::zeros(fit.residuals.len(), 0));
         let errors = (&evidence.lattice_field()[..], &smooth);
-        let doubt = Doubt::of(&fit, &evidence.blocks(Split::Calibration), errors);
-        Self { doubt: Some(doubt), ..fit }
+        let error_terms = ErrorTerms::of(&fit, &evidence.blocks(Split::Calibration), errors);
+        Self { error_terms: Some(error_terms), ..fit }
     }
 
     /// Takes steps until none is worth its cost. Existing derivatives are used first; those of a converged fit are as
@@ -194,7 +205,7 @@ impl Fit {
     ///
     /// # Errors
     /// If the model cannot be simulated.
-    pub(super) fn seen_anew(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+    pub(super) fn reevaluated(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         let mut fit = self.seen(evidence)?;
         (fit.jacobian, fit.converged) = (DMatrix::zeros(fit.residuals.len(), fit.at.len()), false);
         fit.differentiate(evidence, &(0..fit.at.len()).collect::<Vec<_>>());

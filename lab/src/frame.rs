@@ -20,8 +20,8 @@ use trial_simulation::{SimulatedPass, Variation};
 use trials::trial::{FrameErrors, FrameOffset, Trial};
 
 use super::evidence::{EvidenceError, Split};
-use super::observation::Simulated;
-use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::nuisances::{Nuisances, Simulated};
+use super::scans::{ScanEvidence, ScanView};
 use super::simulation_errors::difference;
 use crate::criteria::DERIVATIVE_CHANGE_LEAST;
 
@@ -176,13 +176,12 @@ impl Change {
         };
         let heights: Vec<Vec<Vec<f64>>> = usual.iter().zip(moved).map(trial).collect();
         let scan = |view: &ScanView| -> Result<Vec<f64>, EvidenceError> {
-            let ScanData::Exposure(data) = &view.data else {
-                let change = &heights[view.trial][view.pass];
-                let field = view.data.tiles().means(|at| -change[at]);
-                return Ok(view.data.whitened_field(&field));
-            };
+            if view.data.as_heights().is_some() {
+                let removal: Vec<f64> = heights[view.trial][view.pass].iter().map(|change| -change).collect();
+                return Ok(view.data.response(&[], &removal));
+            }
             let seen = |passes: &[Vec<SimulatedPass>]| -> Result<Vec<f64>, EvidenceError> {
-                Ok(data.whitened(&passes[view.trial][view.pass].surface.dose_margin(model)?.unwrap_or_default()))
+                Ok(view.data.whitened(&evidence.predicted(view, (passes, model), Nuisances::default())?))
             };
             Ok(seen(moved)?.iter().zip(seen(usual)?).map(|(moved, usual)| factor * (moved - usual)).collect())
         };

@@ -1,19 +1,25 @@
 //! One scan of a ground surface as data: registered on the untouched area, cut into tiles, with the covariance of noise
 //! and nuisance degrees of freedom.
 
+use effects::CompiledModel;
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
 use sdf_bake::HeightMap;
 
 use super::covariance::{Freedom, Whitener};
+use super::evidence::{Agreement, EvidenceError};
+use super::observation::{Observation, Untouched};
 use super::simulation_errors::ScanErrors;
 use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
+use super::totals::Total;
 use crate::criteria::{
     PART_SHIFT_SIGMA, PASS_BEGIN_SIGMA, PASS_END_SIGMA, POSE_HEIGHT_SIGMA, POSE_SHIFT_SIGMA, POSE_TILT_SIGMA,
-    RIM_NOISE_SHARE, SCAN_NOISE_DECAY_SIGMAS,
+    RIM_NOISE_SHARE, SCAN_NOISE_DECAY_SIGMAS, SMOOTH_ERROR_REMOVAL,
 };
+use trial_simulation::SimulatedPass;
 use trials::measure::despiked;
+use trials::trial::PassScan;
 
 /// Prior standard deviations of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift
 /// along x, y [m].
@@ -37,7 +43,7 @@ pub struct HeightView {
     slopes: Vec<DVec2>,
     cut: Vec<DVec2>,
     /// Contribution of the lattice error to the whitened tiles; zeros until it is known.
-    pub lattice_field: Vec<f64>,
+    lattice_field: Vec<f64>,
     /// All tiles that the tool may have touched, rims included; reported errors are over them.
     pub judged: Tiles,
     /// The same tiles before spikes were removed, and the removed depth of each [m].
@@ -154,27 +160,11 @@ impl HeightView {
     }
 
     /// Measured minus simulated height of each tile [m].
-    pub fn difference(&self, simulated: &HeightMap) -> Vec<f64> {
+    pub fn difference(&self, simulated: &[f64]) -> Vec<f64> {
         self.tiles.means(|at| {
-            let difference = self.measured.heights[at] - simulated.heights[at];
+            let difference = self.measured.heights[at] - simulated[at];
             if difference.is_finite() { difference } else { 0.0 }
         })
-    }
-
-    /// Whitened difference.
-    pub fn whitened(&self, simulated: &HeightMap) -> Vec<f64> {
-        self.whitener.whiten(&self.difference(simulated))
-    }
-
-    /// Change of the tiles' heights [m] for a change of the whitened ones; pose and place of the cut absorb what they
-    /// can.
-    pub fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
-        self.whitener.unwhiten(change)
-    }
-
-    /// Whitener of the tiles: noise and nuisance degrees of freedom.
-    pub fn whitener(&self) -> &Whitener {
-        &self.whitener
     }
 
     /// Whitener of tiles of another scan of such a workpiece, with the same prior of the pose.
@@ -182,7 +172,7 @@ impl HeightView {
     /// - `scan`, `change`: heights of that scan, and its heights minus those of the scan before [m]
     ///
     /// Returns `None` if the covariance is not positive definite.
-    pub(super) fn whitener_of(
+    pub fn whitener_of(
         &self,
         (scan, change): (&HeightMap, &HeightMap),
         tiles: &Tiles,
@@ -195,13 +185,13 @@ impl HeightView {
     }
 
     /// Measured minus simulated height of each pixel after the best-fitting pose [m], NaN where it is not known.
-    pub fn left(&self, simulated: &HeightMap) -> Vec<f64> {
+    pub fn left(&self, simulated: &[f64]) -> Vec<f64> {
         self.left_at(simulated, &self.whitener.degrees_of_freedom(&self.difference(simulated)).mean)
     }
 
     /// As [`HeightView::left`], with height and tilt from the untouched surface, and with the simulated ends of passes:
     /// so a poor model does not bias them.
-    pub fn left_held(&self, simulated: &HeightMap) -> Vec<f64> {
+    pub fn left_held(&self, simulated: &[f64]) -> Vec<f64> {
         let mut pose = self.whitener.degrees_of_freedom(&self.difference(simulated)).mean;
         pose.rows_mut(0, HELD).copy_from(&self.whitener.expected().mean.rows(0, HELD));
         let ends = pose.len() - PLACE_FREEDOMS;
@@ -209,7 +199,7 @@ impl HeightView {
         self.left_at(simulated, &pose)
     }
 
-    fn left_at(&self, simulated: &HeightMap, pose: &DVector<f64>) -> Vec<f64> {
+    fn left_at(&self, simulated: &[f64], pose: &DVector<f64>) -> Vec<f64> {
         let frame = Frame::of(self.measured.pixels);
         let lift = |at: usize| {
             let cut = if self.cut[at].is_finite() { self.cut[at] } else { DVec2::ZERO };
@@ -218,16 +208,8 @@ impl HeightView {
             let ends = self.ends.iter().filter(|heights| !heights.is_empty()).map(|heights| heights[at]);
             column.into_iter().chain(own).chain(ends).zip(pose.iter()).map(|(c, p)| c * p).sum::<f64>()
         };
-        let left = |at: usize| self.measured.heights[at] - simulated.heights[at] - lift(at);
+        let left = |at: usize| self.measured.heights[at] - simulated[at] - lift(at);
         (0..self.measured.heights.len()).map(left).collect()
-    }
-
-    /// Root mean square of measured minus simulated height over the tiles' pixels, without registration [m].
-    pub fn raw_rms(&self, simulated: &HeightMap) -> f64 {
-        let raw = self.tiles.pixels().map(|(_, at)| self.measured.heights[at] - simulated.heights[at]);
-        let (sum, count) =
-            raw.filter(|raw| raw.is_finite()).fold((0.0, 0.0), |(sum, count), raw| (sum + raw * raw, count + 1.0));
-        (sum / f64::max(count, 1.0)).sqrt()
     }
 
     /// Standard deviation of a weighted sum of the tiles' differences from [`HeightView::left_held`]: from noise, from
@@ -244,13 +226,13 @@ impl HeightView {
     }
 
     /// Simulated removed volume under all tiles, and the volume of the residual [m³].
-    pub fn volumes(&self, before: &HeightMap, simulated: &HeightMap) -> (f64, f64) {
+    pub fn volumes(&self, before: &HeightMap, simulated: &[f64]) -> (f64, f64) {
         let left = self.left_held(simulated);
         let sum = |value: &dyn Fn(usize) -> f64| {
             let known = self.tiles.pixels().map(|(_, at)| value(at)).filter(|value| value.is_finite());
             known.sum::<f64>() * self.measured.pixels.pitch.powi(2)
         };
-        (sum(&|at| before.heights[at] - simulated.heights[at]), sum(&|at| left[at]))
+        (sum(&|at| before.heights[at] - simulated[at]), sum(&|at| left[at]))
     }
 
     /// Standard deviation of the volume under all tiles, from noise and the scan's pose [m³].
@@ -260,23 +242,87 @@ impl HeightView {
         self.tiles.pixels().for_each(|(tile, _)| areas[tile] += pixel);
         self.held_sigma(&areas)
     }
+}
 
-    /// Root mean square residual over the tiles' pixels, its noise floor, and the mean removed depth [m]. Spikes that a
-    /// steep rim has hidden until the simulation was subtracted are left out.
-    ///
-    /// - `noise`: root mean square of one scan's noise [m]
-    pub fn agreement(&self, simulated: &HeightMap, before: &HeightMap, noise: f64) -> [f64; 3] {
-        let (left, _) = despiked(&HeightMap { heights: self.left(simulated), ..simulated.clone() });
+impl Observation for HeightView {
+    fn tiles(&self) -> &Tiles {
+        &self.tiles
+    }
+
+    fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
+    fn predicted(
+        &self,
+        (pass, _): (&SimulatedPass, &CompiledModel),
+        instrument: &dyn Fn(&HeightMap) -> HeightMap,
+    ) -> Result<Vec<f64>, EvidenceError> {
+        match &pass.scan {
+            PassScan::Heights(surface) => Ok(instrument(surface).heights),
+            PassScan::Exposure(_) => unreachable!("a simulated scan is like the real one"),
+        }
+    }
+
+    fn whitened(&self, predicted: &[f64]) -> Vec<f64> {
+        self.whitener.whiten(&self.difference(predicted))
+    }
+
+    fn response(&self, _: &[f64], removal: &[f64]) -> Vec<f64> {
+        self.whitener.whitened_field(&self.tiles.means(|at| removal[at]))
+    }
+
+    /// Spikes that a steep rim has hidden until the simulation was subtracted are left out.
+    fn agreement(&self, predicted: &[f64], before: Untouched) -> Agreement {
+        let (left, _) = despiked(&HeightMap { pixels: self.measured.pixels, heights: self.left(predicted) });
         let left = left.heights;
         let before_share = shares(&self.whole.1, self.noise_depth);
         let (mut squares, mut floor, mut removed, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (tile, at) in self.judged.pixels().filter(|(_, at)| left[*at].is_finite()) {
             squares += left[at] * left[at];
-            floor += noise * noise * (1.0 + before_share[tile].powi(2));
-            removed += before.heights[at] - simulated.heights[at];
+            floor += before.noise * before.noise * (1.0 + before_share[tile].powi(2));
+            removed += before.heights.heights[at] - predicted[at];
             count += 1.0;
         }
-        [(squares / count).sqrt(), (floor / count).sqrt(), removed / count]
+        let (floor, scale) = ((floor / count).sqrt(), removed / count);
+        let smooth_error = SMOOTH_ERROR_REMOVAL * scale;
+        Agreement { about: String::new(), rms: (squares / count).sqrt(), floor, noise: floor, scale, smooth_error }
+    }
+
+    /// Removed volume under all tiles [m³].
+    fn total(&self, predicted: &[f64], before: &HeightMap) -> Total {
+        let area = self.measured.pixels.pitch.powi(2);
+        let left = self.left_held(predicted);
+        let (mut removed, mut missing) = (0.0, 0.0);
+        for (_, at) in self.tiles.pixels().filter(|(_, at)| left[*at].is_finite() && before.heights[*at].is_finite()) {
+            removed += area * (before.heights[at] - predicted[at]);
+            missing += area * left[at];
+        }
+        Total { about: String::new(), measured: removed - missing, predicted: removed, sigma: self.volume_sigma() }
+    }
+
+    fn raw_rms(&self, predicted: &[f64]) -> Option<f64> {
+        let raw = self.tiles.pixels().map(|(_, at)| self.measured.heights[at] - predicted[at]);
+        let (sum, count) =
+            raw.filter(|raw| raw.is_finite()).fold((0.0, 0.0), |(sum, count), raw| (sum + raw * raw, count + 1.0));
+        Some((sum / f64::max(count, 1.0)).sqrt())
+    }
+
+    fn removed(&self, before: &HeightMap) -> Vec<f64> {
+        let removed = self.tiles.means(|at| before.heights[at] - self.measured.heights[at]);
+        removed.into_iter().map(|removed| if removed.is_finite() { removed.max(0.0) } else { 0.0 }).collect()
+    }
+
+    fn smooth_error(&self, removed: &[f64], _: f64) -> Vec<f64> {
+        removed.iter().map(|removed| SMOOTH_ERROR_REMOVAL * removed).collect()
+    }
+
+    fn lattice_field(&self) -> Vec<f64> {
+        self.lattice_field.clone()
+    }
+
+    fn as_heights(&self) -> Option<&HeightView> {
+        Some(self)
     }
 }
 

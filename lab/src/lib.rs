@@ -4,7 +4,7 @@
 //!
 //! 1. The crate `trial-simulation` simulates trials as they were logged and as the instrument sees them; `scans` and
 //!    `evidence` compare the result with the measurements.
-//! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data; `tiles` cuts scans up.
+//! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data (`observation` is their interface); `tiles` cuts scans up.
 //! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the simulation's lattice error
 //!    (`simulation_errors`); `blur` fits the instrument.
 //! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from the starting values of `begin`; `uncertainty`
@@ -14,8 +14,8 @@
 //! 7. `screen` simulates every effect at a few sizes (`probe`) and projects out the base parameters (`response`).
 //! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
 //! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` give reasons against the others and
-//!    detectable sizes; `unlisted` finds a formula where no effect fits, `next_trial` and `next_row` propose an
-//!    experiment.
+//!    detectable sizes; `unlisted` finds a formula where no effect fits. The crate `experiments` proposes the
+//!    next experiment.
 //! 10. The crate `study` repeats the steps: compare, calibrate, diagnose, add.
 //!
 //! All decision criteria stand in one table, [`criteria`]. Units are SI; the same seed gives the same bytes on any
@@ -52,9 +52,9 @@ mod height_view;
 mod held;
 mod model_origin;
 mod model_weights;
-mod next_row;
 mod next_trial;
 mod noise_summary;
+mod nuisances;
 mod observation;
 mod pair;
 mod paired;
@@ -99,12 +99,12 @@ pub use attempt::{Attempt, Tried};
 pub use blur::blurred;
 pub use calibrate::{calibrate, calibrate_scans, fit_roughly};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
-pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning};
+pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning, correlations};
 pub use coordinates::{Bound, Coordinate, moved};
 pub use covariance::{Freedom, Whitener};
 pub use covariate_share::{CovariateBin, CovariateField, CovariateShare, CovariateStudy, covariate_study};
 pub use criteria::{CRITERIA, Criterion, CriterionValues};
-pub use cross_validation::Prediction;
+pub use cross_validation::{Prediction, prior};
 pub use detectable::{Detectable, Sides, detectable};
 pub use diagnose::{Diagnosis, OnProgress, with_values};
 pub use error::{LabError, Result};
@@ -117,17 +117,17 @@ pub use fit::{Estimate, Fit, FitOptions, robust_sum};
 pub use frame::{FrameCause, FrameEstimate, FrameFreedom, FrameQuantity, FrameValues, aligned};
 pub use height_view::HeightView;
 pub use model_origin::{Origin, identity, model_origin};
-pub use next_row::{next_row, separating_row, testing_row};
-pub use next_trial::{Hypothesis, MenuChoice, MenuLine, NextTrial, Worth, next_trial, separating_trial, testing_trial};
+pub use next_trial::{MenuChoice, MenuLine, NextTrial, Worth};
 pub use noise_summary::NoiseSummary;
-pub use observation::Observation;
+pub use nuisances::Nuisances;
+pub use observation::{Observation, Untouched};
 pub use paired::{Better, Paired, PairedSplit};
 pub use pass_trend::{PassTrend, trend_of_rows, trend_of_scans};
 pub use probe::{Candidate, Probe};
 pub use response::{Look, Projector, Response};
 pub use round::Round;
 pub use rows::{Outlier, RowEvidence};
-pub use scans::{ScanData, ScanEvidence, ScanView};
+pub use scans::{ScanEvidence, ScanView};
 pub use screen::Screened;
 pub use simulated::Simulated;
 pub use simulation_errors::SimulationErrors;

@@ -1,198 +1,94 @@
-//! Observation of a simulated surface before it is compared with a scan: blurred like the instrument, and corrected by
-//! the share of the lattice error that the data contain. Both are determined again for every model.
+//! One measurement after a pass as data. Each kind of scan implements [`Observation`] in a file of its own: heights of a
+//! ground surface (`height_view`), masks of exposed substrate (`exposure_view`).
 
-use effects::{CompiledModel, Process};
-use rayon::prelude::*;
+use std::fmt::Debug;
+
+use effects::CompiledModel;
 use sdf_bake::HeightMap;
 
-use super::blur::{blurred, least_of};
-use super::evidence::{Evidence, EvidenceError, Split};
-use super::fit::robust_sum;
-use super::frame::{FrameValues, QUANTITIES};
-use super::scans::{ScanData, ScanEvidence, ScanView};
-use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
-use crate::criteria::BLUR_WIDEST;
+use super::covariance::Whitener;
+use super::evidence::{Agreement, EvidenceError};
+use super::exposure_view::ExposureView;
+use super::height_view::HeightView;
+use super::tiles::Tiles;
+use super::totals::Total;
 use trial_simulation::SimulatedPass;
-use trials::trial::PassScan;
 
-/// Number of blurs tried at first, and the change at which the search ends [pixels].
-const BLUR_STEPS: usize = 6;
-const SETTLED_BLUR: f64 = 3e-4;
+/// Step of the finite differences for changes that are not linear, as a share of the change.
+const RESPONSE_STEP: f64 = crate::criteria::CURVE_MASK_STEP;
 
-/// Largest share of the lattice error at rims: the whole error of a second-order simulation (Richardson 1911).
-const RIM_SHARE_MOST: f64 = 4.0 / 3.0;
-
-/// Parameters of the observation of simulated surfaces.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Observation {
-    /// Standard deviation of the instrument's lateral blur [m].
-    pub blur: f64,
-    /// Share of the measured lattice error that the data contain away from rims [1].
-    pub lattice_share: f64,
-    /// The same at rims, which converge differently and are no data [1].
-    pub rim_share: f64,
-    /// Most probable frame and clock [prior standard deviations].
-    pub frame: FrameValues,
+/// Scan of a workpiece before its first pass.
+#[derive(Clone, Copy)]
+pub struct Untouched<'a> {
+    /// Its heights.
+    pub heights: &'a HeightMap,
+    /// Root mean square noise of one scan [m].
+    pub noise: f64,
 }
 
-/// Simulated passes of each trial, and the model that produced them.
-pub type Simulated<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
+/// One scan as data: what a simulation predicts for it, and how both are compared. Predictions have one value for each
+/// pixel, in the quantity of the scan.
+pub trait Observation: Debug + Send + Sync {
+    /// The tiles that the tool may have touched.
+    fn tiles(&self) -> &Tiles;
 
-impl ScanEvidence<'_> {
-    /// Returns a simulated surface as the instrument sees it.
-    pub fn seen(&self, view: &ScanView, simulated: &HeightMap, observation: Observation) -> HeightMap {
-        let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, observation.blur);
-        if let Some(frame) = &self.frame {
-            frame.add_to(&mut seen.heights, (view.trial, view.pass), observation.frame);
-        }
-        let (Some(error), ScanData::Heights(data)) = (&self.simulation_errors, &view.data) else { return seen };
-        let (_, error) = error.of(view.trial, view.pass);
-        let add = |height: &mut f64, share: f64, at: usize| *height += share * error[at];
-        seen.heights.iter_mut().enumerate().for_each(|(at, height)| add(height, observation.lattice_share, at));
-        let beyond = observation.rim_share - observation.lattice_share;
-        data.rims.pixels().for_each(|(_, at)| add(&mut seen.heights[at], beyond, at));
-        seen
-    }
+    /// Whitener of the tiles: noise and nuisance degrees of freedom.
+    fn whitener(&self) -> &Whitener;
 
-    /// The observation with which a model agrees best with the calibration scans.
+    /// Values that the instrument would report after a simulated pass, one for each pixel.
+    ///
+    /// - `instrument`: applies the instrument's own errors to a surface
     ///
     /// # Errors
-    /// If a formula of the scanner gives no finite number.
-    pub fn observation_of(&self, (passes, model): Simulated) -> Result<Observation, EvidenceError> {
-        if let Some(observation) = self.observation {
-            return Ok(observation);
-        }
-        if self.process() == Process::Sanding {
-            return Ok(Observation::default());
-        }
-        let blur = self.blur_of((passes, model))?;
-        let left = self.whitened((passes, model), Split::Calibration, blur)?;
-        let lattice_share = lattice_share(&left, &self.lattice_field_of(Split::Calibration));
-        let alone = self.whitened_alone((passes, model), Split::Calibration, blur)?;
-        let frame = self.frame.as_ref().map_or([0.0; QUANTITIES], |frame| frame.most_likely(&alone));
-        let even = Observation { blur, lattice_share, rim_share: 0.0, frame };
-        Ok(Observation { rim_share: self.rim_share(passes, even), ..even })
-    }
-
-    /// The share of the lattice error with which simulated rims agree best with those of the calibration scans.
-    fn rim_share(&self, passes: &[Vec<SimulatedPass>], even: Observation) -> f64 {
-        let (mut products, mut squares) = (0.0, 0.0);
-        for view in self.of(Split::Calibration) {
-            let (Some(error), ScanData::Heights(data)) = (&self.simulation_errors, &view.data) else { continue };
-            let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { continue };
-            let (left, (_, error)) = (data.left(&self.seen(view, simulated, even)), error.of(view.trial, view.pass));
-            for (left, error) in data.rims.means(|at| left[at]).into_iter().zip(data.rims.means(|at| error[at])) {
-                products += if left.is_finite() { left * error } else { 0.0 };
-                squares += error * error;
-            }
-        }
-        if squares > 0.0 { (products / squares).clamp(0.0, RIM_SHARE_MOST) } else { even.lattice_share }
-    }
-
-    /// Fixes the observation that fits this model.
-    ///
-    /// # Errors
-    /// If the model cannot be simulated.
-    pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        self.observation = None;
-        let passes = self.simulate(model, Split::Calibration)?;
-        self.observation = Some(self.observation_of((&passes, model))?);
-        Ok(())
-    }
-
-    /// Measured minus simulated tiles of a split, independent with variance one where the model is right.
-    ///
-    /// # Errors
-    /// If a formula of the scanner gives no finite number.
-    pub(super) fn seen_residuals(&self, simulated: Simulated, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.residuals_through(simulated, split, self.blur_of(simulated)?)
-    }
-
-    /// As [`Self::seen_residuals`], with a known blur [m].
-    pub(super) fn residuals_through(
+    /// If a formula of the model gives no finite number.
+    fn predicted(
         &self,
-        simulated: Simulated,
-        split: Split,
-        blur: f64,
-    ) -> Result<Vec<f64>, EvidenceError> {
-        let left = self.whitened(simulated, split, blur)?;
-        Ok(without_lattice_error(&left, &self.lattice_field_of(split)))
+        simulated: (&SimulatedPass, &CompiledModel),
+        instrument: &dyn Fn(&HeightMap) -> HeightMap,
+    ) -> Result<Vec<f64>, EvidenceError>;
+
+    /// Measured minus predicted values of the tiles, whitened.
+    fn whitened(&self, predicted: &[f64]) -> Vec<f64>;
+
+    /// Change of [`Observation::whitened`] per unit of a further removal of `removal` at each pixel.
+    fn response(&self, predicted: &[f64], removal: &[f64]) -> Vec<f64> {
+        let more: Vec<f64> = predicted.iter().zip(removal).map(|(own, more)| own + RESPONSE_STEP * more).collect();
+        let usual = self.whitened(predicted);
+        self.whitened(&more).iter().zip(&usual).map(|(more, usual)| (more - usual) / RESPONSE_STEP).collect()
     }
 
-    /// Blur of the instrument [m] with which the simulated rims of the cut agree best with those of the calibration
-    /// scans. A stiff contact and a sharp instrument leave similar rims.
-    pub(super) fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
-        if let Some(observation) = self.observation {
-            return Ok(observation.blur);
-        }
-        if self.process() == Process::Sanding {
-            return Ok(0.0);
-        }
-        let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;
-        let field = self.lattice_field_of(Split::Calibration);
-        let cost = |blur: f64| -> Result<f64, EvidenceError> {
-            let left = self.whitened(simulated, Split::Calibration, blur)?;
-            Ok(robust_sum(&without_lattice_error(&left, &field)))
-        };
-        least_of(cost, ([0.0, BLUR_WIDEST * pitch], BLUR_STEPS), SETTLED_BLUR * pitch)
+    /// Agreement with a prediction; its name is left empty.
+    fn agreement(&self, predicted: &[f64], before: Untouched) -> Agreement;
+
+    /// Total removal up to the scan; its name is left empty.
+    fn total(&self, predicted: &[f64], before: &HeightMap) -> Total;
+
+    /// Root mean square of measured minus predicted values without registration; `None` if there is nothing to register.
+    fn raw_rms(&self, _predicted: &[f64]) -> Option<f64> {
+        None
     }
 
-    /// Measured minus simulated tiles of a split, whitened, with a given blur [m], before the lattice error is removed.
-    fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
-        let mut whitened = self.whitened_alone(simulated, split, blur)?;
-        self.whiten_frame(&mut whitened, split);
-        Ok(whitened)
+    /// Size of the removal that each tile shows, to which smooth errors are proportional [m].
+    fn removed(&self, before: &HeightMap) -> Vec<f64>;
+
+    /// Standard deviation of the simulation's smooth error in each tile [m].
+    ///
+    /// - `removed`: as in [`Observation::removed`]
+    /// - `error`: [`Agreement::smooth_error`] of the scan
+    fn smooth_error(&self, removed: &[f64], error: f64) -> Vec<f64>;
+
+    /// Contribution of the lattice error to the whitened tiles.
+    fn lattice_field(&self) -> Vec<f64> {
+        vec![0.0; self.tiles().len()]
     }
 
-    /// As [`Self::whitened`], scan by scan; frame and clock, which the scans share, are not yet removed.
-    pub(super) fn whitened_alone(
-        &self,
-        simulated: Simulated,
-        split: Split,
-        blur: f64,
-    ) -> Result<Vec<f64>, EvidenceError> {
-        let views: Vec<&ScanView> = self.of(split).collect();
-        let scan = |view: &&ScanView| self.whitened_scan(view, simulated, blur);
-        Ok(views.par_iter().map(scan).collect::<Result<Vec<_>, _>>()?.concat())
+    /// The view itself, if it is of heights.
+    fn as_heights(&self) -> Option<&HeightView> {
+        None
     }
 
-    fn whitened_scan(&self, view: &ScanView, (passes, model): Simulated, blur: f64) -> Result<Vec<f64>, EvidenceError> {
-        let pass = &passes[view.trial][view.pass];
-        Ok(match (&view.data, &pass.scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                data.whitened(&self.seen(view, simulated, Observation { blur, ..Observation::default() }))
-            }
-            (ScanData::Exposure(data), _) => match pass.surface.dose_margin(model)? {
-                Some(margin) => data.whitened(&margin),
-                None => unreachable!("a sanded surface has doses"),
-            },
-            (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
-        })
-    }
-
-    /// Contribution of the lattice error to the whitened tiles of a split.
-    pub(super) fn lattice_field_of(&self, split: Split) -> Vec<f64> {
-        let field = |view: &ScanView| match &view.data {
-            ScanData::Heights(data) => data.lattice_field.clone(),
-            ScanData::Exposure(data) => vec![0.0; data.tiles.len()],
-        };
-        let mut field: Vec<f64> = self.of(split).flat_map(field).collect();
-        self.whiten_frame(&mut field, split);
-        field
-    }
-
-    /// Whitens separately whitened scans for frame and clock. Held-out scans decide nothing, and stay as they are.
-    fn whiten_frame(&self, whitened: &mut [f64], split: Split) {
-        if let (Some(frame), Split::Calibration) = (&self.frame, split) {
-            frame.whiten(whitened);
-        }
-    }
-
-    /// Converts a change of the calibration tiles, each scan whitened separately, to a change of the residuals: without
-    /// the part that frame, clock and lattice absorb.
-    pub(super) fn change_seen(&self, change: &[f64], lattice_field: &[f64]) -> Vec<f64> {
-        let mut change = change.to_vec();
-        self.whiten_frame(&mut change, Split::Calibration);
-        change_without_lattice_error(&change, lattice_field)
+    /// The view itself, if it is of exposed substrate.
+    fn as_exposure(&self) -> Option<&ExposureView> {
+        None
     }
 }

@@ -51,13 +51,13 @@ pub(super) fn pair(
     evidence: &dyn Evidence,
     first: &Round,
     (model, library): (&Model, &Library),
-    (seed, told): (u64, OnProgress),
+    (seed, on_progress): (u64, OnProgress),
 ) -> Result<Option<[Round; 2]>, EvidenceError> {
     let quicker = evidence.quicker();
     let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &first.base));
     let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
-    let mut joints = fitted(lattices, first, (model, library), told);
-    joints.extend(beside_surest(lattices, first, (model, library), told));
+    let mut joints = fitted(lattices, first, (model, library), on_progress);
+    joints.extend(beside_surest(lattices, first, (model, library), on_progress));
     joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     let mut known = BTreeSet::new();
     joints.retain(|joint| known.insert(joint.names()));
@@ -149,7 +149,12 @@ fn known<'a>(first: &'a Round, effect: &Screened) -> Option<&'a Suspect> {
 /// Fits the most promising pairs, the best of them until convergence. Least χ² first.
 ///
 /// - `lattices`: the data, and their surrogate near the base fit
-fn fitted(lattices: Lattices, first: &Round, (model, library): (&Model, &Library), told: OnProgress) -> Vec<Joint> {
+fn fitted(
+    lattices: Lattices,
+    first: &Round,
+    (model, library): (&Model, &Library),
+    on_progress: OnProgress,
+) -> Vec<Joint> {
     let base = with_values(model, &first.base);
     let fit = |[lead, other]: [Screened; 2]| {
         let alone = known(first, &lead).filter(|alone| alone.at_its_fit().best == lead.best).cloned();
@@ -158,7 +163,7 @@ fn fitted(lattices: Lattices, first: &Round, (model, library): (&Model, &Library
         let effect = library.find(&other.candidate.name)?;
         let candidate = Candidate::new(lattices.quick(), &with_lead, effect, library).ok()?;
         let both = Suspect::begun(lattices.quick(), &begun.fit, Screened { candidate, ..other }).ok()?;
-        told(&format!("{} and {}", lead.candidate.name, both.name()), PAIRS_FITTED, PAIRS_FITTED);
+        on_progress(&format!("{} and {}", lead.candidate.name, both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint { lead, both: both.finished(lattices.quick(), QUICK_FIT).seen(lattices.usual).ok()? })
     };
     to_the_end(lattices, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
@@ -187,7 +192,7 @@ fn beside_surest(
     lattices: Lattices,
     first: &Round,
     (model, library): (&Model, &Library),
-    told: OnProgress,
+    on_progress: OnProgress,
 ) -> Vec<Joint> {
     let explains_most = |best: &&Finding| best.suspect.fit.chi2 < LEAD_CHI2_SHARE * first.base.chi2;
     let sure = first.best().filter(|best| best.probability >= NAMED_PROBABILITY);
@@ -197,7 +202,7 @@ fn beside_surest(
         let effect = library.find(other.name())?;
         let candidate = Candidate::new(lattices.quick(), &with_lead, effect, library).ok()?;
         let both = Suspect::begun(lattices.quick(), &lead.fit, Screened { candidate, ..other.at_its_fit() }).ok()?;
-        told(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
+        on_progress(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint {
             lead: lead.at_its_fit(),
             both: both.finished(lattices.quick(), PARTNER_FIT).seen(lattices.usual).ok()?,

@@ -13,7 +13,7 @@ use crate::criteria::INTERVAL_SIGMAS;
 /// Two models compared on one split of the data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairedSplit {
-    /// Root mean square errors of the two models [unit of the data's errors].
+    /// Root mean square errors of the two models [unit of errors].
     pub rms: [f64; 2],
     /// Noise floor, in the same unit.
     pub noise_floor: f64,
@@ -70,12 +70,11 @@ impl PairedSplit {
         let residuals: Result<Vec<_>, _> = models.par_iter().map(|model| evidence.residuals(model, split)).collect();
         let agreement: Result<Vec<_>, _> = models.par_iter().map(|model| evidence.agreement(model, split)).collect();
         let (residuals, agreement) = (residuals?, agreement?);
-        let unit = evidence.unit().per_one();
-        let error = |of: &[Agreement]| unit * rms(of, |scan| scan.rms);
+        let error = |of: &[Agreement]| rms(of, |scan| scan.rms);
         let (delta_chi2, sigma, blocks) = difference([&residuals[0], &residuals[1]], &evidence.blocks(split));
         Ok(Self {
             rms: [error(&agreement[0]), error(&agreement[1])],
-            noise_floor: unit * rms(&agreement[0], |scan| scan.noise),
+            noise_floor: rms(&agreement[0], |scan| scan.noise),
             delta_chi2,
             sigma,
             blocks,

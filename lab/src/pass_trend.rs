@@ -8,9 +8,9 @@ use serde::Serialize;
 use super::coordinates::{Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::rows::RowEvidence;
-use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::scans::{ScanEvidence, ScanView};
 use crate::criteria::{SAME_LOAD, SAME_SETTING, TREND_FACTOR, TREND_REMOVAL_SHARE, TREND_SIGMAS, TREND_VALUES};
-use trials::trial::{Pass, PassScan};
+use trials::trial::Pass;
 
 /// Relative change of the removed volume or depth between equal successive passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -165,17 +165,14 @@ impl<'a> EqualScans<'a> {
 
     fn volumes(&self, model: &CompiledModel) -> Result<Volumes, EvidenceError> {
         let passes = self.evidence.simulate(model, Split::Calibration)?;
-        let observation = self.evidence.observation_of((&passes, model))?;
-        let volume = |view: &&ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                let seen = self.evidence.seen(view, simulated, observation);
-                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
-                let (removed, left) = data.volumes(before, &seen);
-                [removed - left, data.volume_sigma(), removed]
-            }
-            _ => [f64::NAN; 3],
+        let nuisances = self.evidence.nuisances_of((&passes, model))?;
+        let volume = |view: &&ScanView| -> Result<[f64; 3], EvidenceError> {
+            let Some(data) = view.data.as_heights() else { return Ok([f64::NAN; 3]) };
+            let predicted = self.evidence.predicted(view, (&passes, model), nuisances)?;
+            let (removed, left) = data.volumes(self.evidence.untouched(view).heights, &predicted);
+            Ok([removed - left, data.volume_sigma(), removed])
         };
-        Ok(self.views.iter().map(volume).collect())
+        self.views.iter().map(volume).collect()
     }
 
     /// Volume of one pass alone.

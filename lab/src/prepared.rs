@@ -6,7 +6,8 @@ use sdf_bake::HeightMap;
 use super::evidence::{EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::height_view::{COARSE, HeightView};
-use super::scans::{ScanData, ScanView};
+use super::observation::Observation;
+use super::scans::ScanView;
 use super::tile_noise::{FittedNoise, TileNoise};
 use super::tiles::TileGrid;
 use crate::criteria::{BORDER_REACH, TILE_LEAST_SIDE, TILES_PER_SCAN};
@@ -106,7 +107,12 @@ impl<'a> Surface<'a> {
         self.passes.iter().enumerate().map(view).collect()
     }
 
-    fn data(&self, pass: usize, number: usize, noises: &[NoiseOfSide]) -> Result<Option<ScanData>, EvidenceError> {
+    fn data(
+        &self,
+        pass: usize,
+        number: usize,
+        noises: &[NoiseOfSide],
+    ) -> Result<Option<Box<dyn Observation>>, EvidenceError> {
         let Touched { free, side, .. } = &self.passes[pass];
         let noise = |side: usize| {
             let noise = noises.iter().find(|noise| noise.0 == side).and_then(|noise| noise.1[number].as_ref());
@@ -115,12 +121,13 @@ impl<'a> Surface<'a> {
         Ok(match &self.trial.passes[pass].scan {
             PassScan::Heights(scan) => {
                 let noise = [noise(*side)?, noise(COARSE * side)?];
-                HeightView::new(despiked(scan).0, &self.before, free, (*side, noise))
-                    .map(|view| ScanData::Heights(Box::new(view)))
+                let view = HeightView::new(despiked(scan).0, &self.before, free, (*side, noise));
+                view.map(|view| Box::new(view) as Box<dyn Observation>)
             }
             PassScan::Exposure(mask) => {
                 let reach = BORDER_REACH * self.trial.tool.half_width();
-                ExposureView::new(mask.clone(), free, *side, reach).map(|view| ScanData::Exposure(Box::new(view)))
+                let view = ExposureView::new(mask.clone(), free, *side, reach);
+                view.map(|view| Box::new(view) as Box<dyn Observation>)
             }
         })
     }

@@ -59,7 +59,7 @@ impl ScanEvidence<'_> {
         let Some(journal) = &self.journal else { return make() };
         let errors = self.simulation_errors.as_ref().map(|errors| errors.identity());
         let frame = self.frame.as_ref().map(FrameFreedom::identity);
-        let seen = format!("{:?} {errors:?} {frame:?} {:?}", self.observation, self.logs_moved());
+        let seen = format!("{:?} {errors:?} {frame:?} {:?}", self.nuisances, self.logs_moved());
         let decides = format!("{split:?} {seen} {voxel_ratio} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {

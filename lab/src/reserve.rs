@@ -10,7 +10,7 @@ pub enum Reserve {
     /// The model with it has as many parameters as the data have conditions, so that no data test it.
     Saturated,
     /// It has a value for each pass or scan: it describes the data and does not explain them.
-    EachItsOwn,
+    ValuePerPass,
     /// The data do not determine its size, or its interval contains the null.
     Undetermined,
 }
@@ -25,18 +25,18 @@ impl Reserve {
         let own = |estimate: &Estimate| estimate.coordinate.slot.owner == suspect.name();
         let estimates: Vec<Estimate> = suspect.fit.estimates(spread).into_iter().filter(own).collect();
         if estimates.iter().any(|estimate| estimate.coordinate.slot.row.is_some()) {
-            return Some(Self::EachItsOwn);
+            return Some(Self::ValuePerPass);
         }
         let sizes = || estimates.iter().filter(|estimate| estimate.coordinate.slot.null.is_some());
-        let is_sound = sizes().all(is_finite) && sizes().any(excludes_null);
-        (!is_sound).then_some(Self::Undetermined)
+        let is_determined = sizes().all(is_finite) && sizes().any(excludes_null);
+        (!is_determined).then_some(Self::Undetermined)
     }
 
     /// Reason in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Saturated => "the model with it has as many parameters as these data have conditions",
-            Self::EachItsOwn => {
+            Self::ValuePerPass => {
                 "it has a value for each pass, so that it describes what happened and does not explain it"
             }
             Self::Undetermined => "these data do not determine its size, or are compatible with its absence",

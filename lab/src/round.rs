@@ -216,7 +216,7 @@ impl Round {
     }
 
     /// Effects that the data cannot distinguish from the best.
-    pub fn look_alikes(&self) -> Vec<&Finding> {
+    pub fn indistinguishable(&self) -> Vec<&Finding> {
         let Some(best) = self.best() else { return Vec::new() };
         let is_other = |finding: &&Finding| finding.suspect.name() != best.suspect.name();
         self.findings.iter().filter(is_other).filter(|finding| self.is_near(finding)).collect()

@@ -205,7 +205,7 @@ impl Evidence for RowEvidence<'_> {
     }
 
     fn unit(&self) -> ErrorUnit {
-        ErrorUnit::Percent
+        ErrorUnit::Share
     }
 
     fn words(&self, effect: &EffectSummary) -> Option<String> {

@@ -28,9 +28,8 @@ impl Round {
             reasons.push(format!("p-value {:.3}: not significant, {SIGNIFICANCE_LEVEL} is the level", finding.p_value));
         }
         if reasons.is_empty() {
-            let [size, least] = [finding.size, self.least_size()].map(|size| size * unit.per_one());
-            let symbol = unit.symbol();
-            reasons.push(format!("too small to matter: {size:.2} {symbol}, and {least:.2} {symbol} count"));
+            let [size, least] = [finding.size, self.least_size()].map(|size| unit.shown(size));
+            reasons.push(format!("too small to matter: {size}, and {least} count"));
         }
         reasons
     }
@@ -57,7 +56,7 @@ impl Round {
     /// The best effect and the most probable one that no verdict rules out beside it.
     fn in_play(&self) -> Option<[&Finding; 2]> {
         let best = self.best().filter(|best| best.probability < NAMED_PROBABILITY)?;
-        let second = self.look_alikes().into_iter().next()?;
+        let second = self.indistinguishable().into_iter().next()?;
         Some([best, second])
     }
 }

@@ -9,7 +9,7 @@ use super::diagnose::with_values;
 use super::error::LabError;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::frame::FrameFreedom;
-use super::scans::{ScanData, ScanEvidence};
+use super::scans::ScanEvidence;
 use super::simulation_errors::SimulationErrors;
 use crate::criteria::{COARSE_VOXEL_RATIO, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO};
 use trial_simulation::CampaignSimulation;
@@ -29,10 +29,10 @@ impl<'a> ScanEvidence<'a> {
         }
         let error = SimulationErrors::new(self, model)?;
         for view in &mut self.views {
-            let ScanData::Heights(data) = &view.data else { continue };
-            let informed = data.as_ref().clone().beside(&error.beside(view.trial, view.pass));
+            let Some(data) = view.data.as_heights() else { continue };
+            let informed = data.clone().beside(&error.beside(view.trial, view.pass));
             let informed = informed.expect("a covariance grows with what is added to it");
-            view.data = ScanData::Heights(Box::new(informed));
+            view.data = Box::new(informed);
         }
         self.simulation_errors = Some(error);
         self.frame = FrameFreedom::of_moved(self, model)?;

@@ -8,29 +8,24 @@ use nalgebra::DMatrix;
 use super::coarse_scans::CoarseLattice;
 use super::coordinates::Coordinate;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
-use super::exposure_view::ExposureView;
 use super::fit::Fit;
 use super::frame::{FrameEstimate, FrameFreedom};
-use super::height_view::HeightView;
-use super::observation::Observation;
+use super::nuisances::Nuisances;
+use super::observation::{Observation, Untouched};
 use super::pass_trend::{PassTrend, trend_of_scans};
 use super::prepared::Prepared;
 use super::repredicted::Repredicted;
 use super::simulation_errors::SimulationErrors;
 use super::tile_noise::FittedNoise;
-use super::tiles::Tiles;
 use super::totals::Totals;
 use super::unlisted::{Basis, Exposures};
-use crate::criteria::{
-    COATING_ERROR_RATIO, SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, SMOOTH_ERROR_EXPOSURE, SMOOTH_ERROR_REMOVAL,
-    TILE_BLOCK_SIDE,
-};
+use crate::criteria::{SANDING_VOXEL_PIXELS, SANDING_VOXELS_ACROSS, TILE_BLOCK_SIDE};
 use files::journal::Journal;
 use trial_simulation::CampaignSimulation;
 use trial_simulation::lacking;
 use trial_simulation::{SimulatedPass, Simulation};
 use trials::measure::ScanNoise;
-use trials::trial::{PassScan, Trial};
+use trials::trial::Trial;
 
 /// One scan with its trial and pass.
 pub struct ScanView {
@@ -41,41 +36,7 @@ pub struct ScanView {
     /// The split that it belongs to.
     pub split: Split,
     /// The scan as data.
-    pub data: ScanData,
-}
-
-/// Content of a scan.
-pub enum ScanData {
-    /// Heights of a ground surface.
-    Heights(Box<HeightView>),
-    /// Mask of the pixels at which sanding went through the coating.
-    Exposure(Box<ExposureView>),
-}
-
-impl ScanData {
-    /// The tiles that the tool may have touched.
-    pub fn tiles(&self) -> &Tiles {
-        match self {
-            Self::Heights(view) => &view.tiles,
-            Self::Exposure(view) => &view.tiles,
-        }
-    }
-
-    /// Whitens a field of the tiles [m].
-    pub(super) fn whitened_field(&self, field: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Heights(view) => view.whitener().whitened_field(field),
-            Self::Exposure(view) => view.whitener().whitened_field(field),
-        }
-    }
-
-    /// Change of the tiles [m] for a change of the whitened ones, less what the scan's degrees of freedom absorb.
-    fn unwhitened(&self, change: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Heights(view) => view.unwhitened(change),
-            Self::Exposure(view) => view.unwhitened(change),
-        }
-    }
+    pub data: Box<dyn Observation>,
 }
 
 /// All scans of a campaign.
@@ -88,8 +49,8 @@ pub struct ScanEvidence<'a> {
     pub noise: Vec<ScanNoise>,
     /// Noise of one scan's tiles by trial, where surfaces are ground.
     pub tile_noise: Vec<Option<FittedNoise>>,
-    /// Observation of simulated surfaces; `None` if each model determines its own.
-    pub observation: Option<Observation>,
+    /// Nuisance parameters of predictions; `None` if each model determines its own.
+    pub nuisances: Option<Nuisances>,
     /// The same trials on a coarser lattice, once the step limit is known; `None` if the tool is too small for it.
     pub(super) coarse: Option<CampaignSimulation<'a>>,
     /// Number of steps of a pass beyond which a simulation is abandoned.
@@ -124,7 +85,7 @@ impl<'a> ScanEvidence<'a> {
             views,
             noise,
             tile_noise,
-            observation: None,
+            nuisances: None,
             coarse: None,
             most_steps: None,
             simulation_errors: None,
@@ -162,44 +123,32 @@ impl<'a> ScanEvidence<'a> {
         needed
     }
 
-    /// Simulates the passes that a split needs, and those that determine the observation.
+    /// Simulates the passes that a split needs, and those that determine the nuisances.
     ///
     /// # Errors
     /// For the first trial that fails.
     pub fn simulate(&self, model: &CompiledModel, split: Split) -> Result<Vec<Vec<SimulatedPass>>, EvidenceError> {
-        let observation = if self.observation.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
+        let nuisances = if self.nuisances.is_none() { self.needed(Split::Calibration) } else { Vec::new() };
         let needed =
-            self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*observation.get(k).unwrap_or(&0)));
+            self.needed(split).into_iter().enumerate().map(|(k, own)| own.max(*nuisances.get(k).unwrap_or(&0)));
         Ok(self.simulation.run_first(model, &needed.collect::<Vec<_>>())?)
     }
 
     fn agreement_made(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let observation = self.observation_of((&passes, model))?;
+        let nuisances = self.nuisances_of((&passes, model))?;
         let agreement = |view: &ScanView| {
-            let pass = &passes[view.trial][view.pass];
             let about = format!("{} pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
-            Ok(match (&view.data, &pass.scan, pass.surface.dose_margin(model)?) {
-                (ScanData::Heights(data), PassScan::Heights(simulated), _) => {
-                    let before = &self.simulation.trials[view.trial].trial.scans.before;
-                    let [rms, floor, scale] = data.agreement(
-                        &self.seen(view, simulated, observation),
-                        before,
-                        self.noise[view.trial].floor.rms,
-                    );
-                    let smooth_error = SMOOTH_ERROR_REMOVAL * scale;
-                    Agreement { about, rms, floor, noise: floor, scale, smooth_error }
-                }
-                (ScanData::Exposure(data), _, Some(margin)) => {
-                    let (rms, floor) = (data.border_distance(&margin), data.border_floor());
-                    let scale = COATING_ERROR_RATIO * data.border_width(&margin);
-                    let smooth_error = SMOOTH_ERROR_EXPOSURE * scale;
-                    Agreement { about, rms, floor, noise: data.border_noise(), scale, smooth_error }
-                }
-                _ => unreachable!("a simulated scan is like the real one"),
-            })
+            let predicted = self.predicted(view, (&passes, model), nuisances)?;
+            Ok(Agreement { about, ..view.data.agreement(&predicted, self.untouched(view)) })
         };
         self.of(split).map(agreement).collect()
+    }
+
+    /// Scan of a view's workpiece before its first pass.
+    pub fn untouched(&self, view: &ScanView) -> Untouched<'_> {
+        let heights = &self.simulation.trials[view.trial].trial.scans.before;
+        Untouched { heights, noise: self.noise[view.trial].floor.rms }
     }
 
     /// Message on a column that an effect reads and the files lack.
@@ -254,7 +203,8 @@ impl Evidence for ScanEvidence<'_> {
 
     fn size(&self, change: &[f64]) -> f64 {
         let views = self.of(Split::Calibration).zip(self.ranges(Split::Calibration));
-        let squares = views.flat_map(|(view, range)| view.data.unwhitened(&change[range])).map(|left| left * left);
+        let squares =
+            views.flat_map(|(view, range)| view.data.whitener().unwhiten(&change[range])).map(|left| left * left);
         (squares.sum::<f64>() / change.len().max(1) as f64).sqrt()
     }
 

@@ -4,9 +4,8 @@ use effects::CompiledModel;
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use crate::{EvidenceError, Observation, ScanEvidence, ScanView};
+use crate::{EvidenceError, Nuisances, ScanEvidence, ScanView};
 use trial_simulation::{CampaignError, CampaignSimulation, SimulatedPass, Simulation, Variation};
-use trials::trial::PassScan;
 
 /// The same simulation, which also records the covariates of each place.
 fn watched<'a>(simulation: &Simulation<'a>) -> Result<Simulation<'a>, CampaignError> {
@@ -22,8 +21,10 @@ pub struct Simulated {
     pub model: CompiledModel,
     /// Passes of each trial.
     pub passes: Vec<Vec<SimulatedPass>>,
-    /// Observation of the simulated surfaces.
-    pub observation: Observation,
+    /// Nuisance parameters of its predictions.
+    pub nuisances: Nuisances,
+    /// Predicted scans of each trial and pass; empty where there is no scan.
+    predicted: Vec<Vec<Vec<f64>>>,
 }
 
 impl Simulated {
@@ -37,8 +38,13 @@ impl Simulated {
         let simulation = CampaignSimulation { trials: trials?, stop: evidence.simulation.stop.clone() };
         let run = |model: &&CompiledModel| {
             let passes = simulation.run(model)?;
-            let observation = evidence.observation_of((&passes, model))?;
-            Ok(Self { model: (*model).clone(), passes, observation })
+            let nuisances = evidence.nuisances_of((&passes, model))?;
+            let mut predicted: Vec<Vec<Vec<f64>>> =
+                passes.iter().map(|passes| vec![Vec::new(); passes.len()]).collect();
+            for view in &evidence.views {
+                predicted[view.trial][view.pass] = evidence.predicted(view, (&passes, model), nuisances)?;
+            }
+            Ok(Self { model: (*model).clone(), passes, nuisances, predicted })
         };
         models.par_iter().map(run).collect()
     }
@@ -48,21 +54,19 @@ impl Simulated {
         &self.passes[view.trial][view.pass]
     }
 
+    /// The prediction of a scan, one value for each pixel.
+    pub fn predicted(&self, view: &ScanView) -> &[f64] {
+        &self.predicted[view.trial][view.pass]
+    }
+
     /// The ground surface as the instrument sees it; `None` when sanding.
-    pub fn heights(&self, evidence: &ScanEvidence, view: &ScanView) -> Option<HeightMap> {
-        match &self.pass(view).scan {
-            PassScan::Heights(map) => Some(evidence.seen(view, map, self.observation)),
-            PassScan::Exposure(_) => None,
-        }
+    pub fn heights(&self, view: &ScanView) -> Option<HeightMap> {
+        let pixels = view.data.as_heights()?.measured.pixels;
+        Some(HeightMap { pixels, heights: self.predicted(view).to_vec() })
     }
 
-    /// Dose minus exposure threshold at each pixel; empty when grinding.
-    pub fn margin(&self, view: &ScanView) -> Vec<f64> {
-        self.pass(view).surface.dose_margin(&self.model).ok().flatten().unwrap_or_default()
-    }
-
-    /// True for each pixel that shows substrate.
+    /// True for each pixel of a mask that shows substrate.
     pub fn exposed(&self, view: &ScanView) -> Vec<bool> {
-        self.margin(view).iter().map(|margin| *margin >= 0.0).collect()
+        self.predicted(view).iter().map(|margin| *margin >= 0.0).collect()
     }
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::evidence::EvidenceError;
 use super::model_origin::identity;
-use super::scans::{ScanData, ScanEvidence};
+use super::scans::ScanEvidence;
 use trial_simulation::{PassEnds, SimulatedPass, Variation};
 use trials::measure::ScanNoise;
 use trials::trial::PassScan;
@@ -182,7 +182,7 @@ pub(super) fn difference(usual: &PassScan, finer: &PassScan) -> Vec<f64> {
 fn noise_depth(evidence: &ScanEvidence, repeats: &[HeightMap], simulated: &[Vec<Vec<f64>>]) -> f64 {
     let mut tiles: Vec<[f64; 3]> = Vec::new();
     for view in &evidence.views {
-        let ScanData::Heights(data) = &view.data else { continue };
+        let Some(data) = view.data.as_heights() else { continue };
         let of = |heights: &[f64]| data.tiles.means(|at| if heights[at].is_finite() { heights[at] } else { 0.0 });
         let (before, after) = (of(&repeats[view.trial].heights), of(&simulated[view.trial][view.pass]));
         tiles.extend((0..data.tiles.len()).map(|k| [data.removed[k], before[k], after[k]]));

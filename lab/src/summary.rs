@@ -1,4 +1,4 @@
-//! Summary of a diagnosis: library units, lengths in µm.
+//! Summary of a diagnosis: parameters in the library's units, errors in [`ErrorUnit`].
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::round::Round;
 use super::sentence::sentence;
 use super::unfitted::Unfitted;
 use super::unlisted::Proposal;
-use super::verdict::Verdict;
+use super::verdict::{Verdict, rms};
 use crate::criteria::{CriterionValues, INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 
 /// Name of the waterfall step that calibrates the base law.
@@ -52,6 +52,8 @@ pub enum ParameterState {
     OnGreatest,
     /// The interval is wider than half of the range.
     NotIdentifiable,
+    /// No fit varied it.
+    Fixed,
 }
 
 impl ParameterState {
@@ -62,6 +64,7 @@ impl ParameterState {
             Self::OnLeast => Some("on its least value"),
             Self::OnGreatest => Some("on its greatest value"),
             Self::NotIdentifiable => Some("not identifiable from these data"),
+            Self::Fixed => Some("held fixed"),
         }
     }
 }
@@ -87,10 +90,10 @@ pub struct EffectSummary {
     pub search: usize,
     /// Reason against it; absent for the best one of a search and for those that these data cannot distinguish from it.
     pub ruled_out: Option<String>,
-    /// Root mean square error of held-out passes without the effect [µm]; absent if none is held out.
-    pub evaluation_rms_um_before: Option<f64>,
+    /// Root mean square error of held-out passes without the effect [unit of errors]; absent if none is held out.
+    pub evaluation_rms_before: Option<f64>,
     /// The same with the effect.
-    pub evaluation_rms_um_after: Option<f64>,
+    pub evaluation_rms_after: Option<f64>,
 }
 
 /// A step of the waterfall.
@@ -98,10 +101,18 @@ pub struct EffectSummary {
 pub struct WaterfallStep {
     /// Name of the step.
     pub step: String,
-    /// Root mean square over the calibration scans [µm].
-    pub calibration_rms_um: f64,
-    /// Over the evaluation scans [µm]; absent where there are none.
-    pub evaluation_rms_um: Option<f64>,
+    /// Root mean square over the calibration scans [unit of errors].
+    pub calibration_rms: f64,
+    /// Over the evaluation scans; absent where there are none.
+    pub evaluation_rms: Option<f64>,
+}
+
+impl WaterfallStep {
+    /// Formats name and errors in one line.
+    pub fn shown(&self, unit: ErrorUnit) -> String {
+        let held_out = self.evaluation_rms.map_or(String::new(), |rms| format!(", {} held out", unit.shown(rms)));
+        format!("{}: {}{held_out}", self.step, unit.shown(self.calibration_rms))
+    }
 }
 
 /// Summary of a diagnosis.
@@ -115,16 +126,16 @@ pub struct DiagnosisSummary {
     pub effects: Vec<EffectSummary>,
     /// Probability, in the first search, that no effect of the library is the cause of the misfit, if there is one.
     pub none_probability: f64,
-    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: metres for scans, shares of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// Noise floor of the calibration passes [µm].
-    pub noise_floor_um: f64,
-    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
-    pub evaluation_noise_floor_um: Option<f64>,
-    /// Root mean square error of the base model [µm].
-    pub base_rms_um: f64,
-    /// Root mean square error of the final model [µm].
-    pub final_rms_um: f64,
+    /// Noise floor of the calibration passes.
+    pub noise_floor: f64,
+    /// Noise floor of the evaluation passes; absent where none is held out.
+    pub evaluation_noise_floor: Option<f64>,
+    /// Root mean square error of the base model.
+    pub base_rms: f64,
+    /// Root mean square error of the final model.
+    pub final_rms: f64,
     /// Errors from the base model to the noise floor.
     pub waterfall: Vec<WaterfallStep>,
     /// Trend of equal passes, and the changes that the base law can produce; absent if there are no equal passes.
@@ -149,14 +160,9 @@ pub struct DiagnosisSummary {
     pub criteria: CriterionValues,
 }
 
-/// Root mean square over scans, in the unit of the errors.
-pub(super) fn rms(of: &[Agreement], unit: ErrorUnit, value: impl Fn(&Agreement) -> f64) -> f64 {
-    (of.iter().map(|a| value(a).powi(2)).sum::<f64>() / of.len().max(1) as f64).sqrt() * unit.per_one()
-}
-
-/// Noise floor of some scans, in the unit of the errors; `None` without a scan.
-pub(super) fn floor_of(of: &[Agreement], unit: ErrorUnit) -> Option<f64> {
-    (!of.is_empty()).then(|| rms(of, unit, |a| a.floor))
+/// Noise floor of some scans [unit of errors]; `None` without a scan.
+pub(super) fn floor_of(of: &[Agreement]) -> Option<f64> {
+    (!of.is_empty()).then(|| rms(of, |a| a.floor))
 }
 
 /// Converts an estimate to the library's unit.
@@ -230,8 +236,8 @@ impl EffectSummary {
             .filter(|e| own(e))
             .map(|e| (format!("{}{}", e.coordinate.slot.parameter, row(e)), parameter_summary(e)));
         let unit = evidence.unit();
-        let error = |of: &[Agreement]| (!of.is_empty()).then(|| rms(of, unit, |a| a.rms));
-        let alike = round.look_alikes().into_iter().map(|other| other.suspect.name().to_owned());
+        let error = |of: &[Agreement]| (!of.is_empty()).then(|| rms(of, |a| a.rms));
+        let alike = round.indistinguishable().into_iter().map(|other| other.suspect.name().to_owned());
         let is_best = round.best().is_some_and(|best| best.suspect.name() == finding.suspect.name());
         Self {
             name: finding.suspect.name().to_owned(),
@@ -243,8 +249,8 @@ impl EffectSummary {
             p_value: finding.p_value,
             search,
             ruled_out: round.ruled_out(finding, unit),
-            evaluation_rms_um_before: error(before),
-            evaluation_rms_um_after: error(&finding.evaluation),
+            evaluation_rms_before: error(before),
+            evaluation_rms_after: error(&finding.evaluation),
         }
     }
 }
@@ -278,9 +284,9 @@ impl DiagnosisSummary {
         let frame =
             diagnosis.frame.and_then(|frame| frame.sentence()).map_or(String::new(), |words| format!(" {words}"));
         let added = |finding: &&Finding| {
-            step(format!("+ {}", finding.suspect.name()), unit, &finding.calibration, &finding.evaluation)
+            step(format!("+ {}", finding.suspect.name()), &finding.calibration, &finding.evaluation)
         };
-        let base_step = step(BASE_STEP.to_owned(), unit, &first.calibration, &first.evaluation);
+        let base_step = step(BASE_STEP.to_owned(), &first.calibration, &first.evaluation);
         let waterfall = [base_step].into_iter().chain(found.iter().map(added)).collect();
         let equal_passes = evidence.trend(&first.base.model)?;
         let beyond = equal_passes.as_ref().filter(|trend| trend.out_of_reach);
@@ -295,10 +301,10 @@ impl DiagnosisSummary {
             effects,
             none_probability: first.none,
             error_unit: unit,
-            noise_floor_um: rms(&first.calibration, unit, |a| a.floor),
-            evaluation_noise_floor_um: floor_of(&first.evaluation, unit),
-            base_rms_um: rms(&first.calibration, unit, |a| a.rms),
-            final_rms_um: rms(&last, unit, |a| a.rms),
+            noise_floor: rms(&first.calibration, |a| a.floor),
+            evaluation_noise_floor: floor_of(&first.evaluation),
+            base_rms: rms(&first.calibration, |a| a.rms),
+            final_rms: rms(&last, |a| a.rms),
             waterfall,
             equal_passes,
             parameters: parameters(&diagnosis.fit, spread),
@@ -319,12 +325,7 @@ pub fn parameters(fit: &Fit, spread: f64) -> Vec<ParameterSummary> {
     fit.estimates(spread).iter().map(parameter_summary).collect()
 }
 
-pub(super) fn step(
-    step: String,
-    unit: ErrorUnit,
-    calibration: &[Agreement],
-    evaluation: &[Agreement],
-) -> WaterfallStep {
-    let evaluation_rms_um = (!evaluation.is_empty()).then(|| rms(evaluation, unit, |a| a.rms));
-    WaterfallStep { step, calibration_rms_um: rms(calibration, unit, |a| a.rms), evaluation_rms_um }
+pub(super) fn step(step: String, calibration: &[Agreement], evaluation: &[Agreement]) -> WaterfallStep {
+    let evaluation_rms = (!evaluation.is_empty()).then(|| rms(evaluation, |a| a.rms));
+    WaterfallStep { step, calibration_rms: rms(calibration, |a| a.rms), evaluation_rms }
 }

@@ -152,10 +152,10 @@ pub(super) fn suspects(
     lattices: Lattices,
     base: &Fit,
     screened: &[Screened],
-    told: &(dyn Fn(&str) + Sync),
+    on_progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Suspect> {
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
-    let mut suspects = quickly(lattices, base, screened, told);
+    let mut suspects = quickly(lattices, base, screened, on_progress);
     let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
     let mut families = Vec::new();
     let mut is_among_first = |family: &str| is_among(&mut families, family, EFFECTS_REFINED);
@@ -166,7 +166,7 @@ pub(super) fn suspects(
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
         let suspect = suspect.mapped(lattices, REFINED_FIT);
-        told(suspect.name());
+        on_progress(suspect.name());
         suspect
     };
     let suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
@@ -178,7 +178,7 @@ pub(super) fn suspects(
 }
 
 /// Fits the most promising effects quickly, and evaluates them on the usual lattice. Best first.
-fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], told: &(dyn Fn(&str) + Sync)) -> Vec<Suspect> {
+fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], on_progress: &(dyn Fn(&str) + Sync)) -> Vec<Suspect> {
     let mut order = by_promise(screened.iter().filter(|screened| screened.delta_chi2 > FITTED_DELTA_CHI2));
     let mut families = Vec::new();
     order.retain(|screened| is_among(&mut families, &screened.candidate.family, EFFECTS_FITTED));
@@ -187,7 +187,7 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], told: &(dyn Fn
         let starts = screened.starts(&residuals).into_par_iter().take(STARTS_PER_EFFECT);
         let suspects: Vec<Suspect> =
             starts.filter_map(|start| Suspect::quick(lattices.quick(), base, start).ok()).collect();
-        told(&screened.candidate.name);
+        on_progress(&screened.candidate.name);
         suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))?.seen(lattices.usual).ok()
     };
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(fitted).collect();

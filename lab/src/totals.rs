@@ -1,17 +1,13 @@
 //! Total removal: the one figure to which the removal rate alone can be fitted.
 
 use effects::CompiledModel;
-use sdf_bake::HeightMap;
 
 use super::evidence::{Evidence, EvidenceError, Split};
-use super::exposure_view::ExposureView;
-use super::height_view::HeightView;
-use super::observation::Observation;
+use super::nuisances::Nuisances;
 use super::rows::RowEvidence;
-use super::scans::{ScanData, ScanEvidence, ScanView};
+use super::scans::{ScanEvidence, ScanView};
 use trial_simulation::SimulatedPass;
 use trials::measure::median;
-use trials::trial::PassScan;
 
 /// Total removal up to a scan, or by the rows of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,20 +47,18 @@ pub trait Totals: Evidence {
 impl Totals for ScanEvidence<'_> {
     fn totals(&self, model: &CompiledModel, split: Split) -> Result<Vec<Total>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let observation = self.observation_of((&passes, model))?;
-        self.totals_of((&passes, model), split, observation)
+        let nuisances = self.nuisances_of((&passes, model))?;
+        self.totals_of((&passes, model), split, nuisances)
     }
 
     fn unregistered(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
         let passes = self.simulate(model, split)?;
-        let observation = self.observation_of((&passes, model))?;
-        let rms = |view: &ScanView| match (&view.data, &passes[view.trial][view.pass].scan) {
-            (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                Some(data.raw_rms(&self.seen(view, simulated, observation)))
-            }
-            _ => None,
+        let nuisances = self.nuisances_of((&passes, model))?;
+        let rms = |view: &ScanView| {
+            let predicted = self.predicted(view, (&passes, model), nuisances);
+            predicted.map(|predicted| view.data.raw_rms(&predicted)).transpose()
         };
-        Ok(self.of(split).filter_map(rms).collect())
+        self.of(split).filter_map(rms).collect()
     }
 }
 
@@ -74,47 +68,15 @@ impl ScanEvidence<'_> {
         &self,
         (passes, model): (&[Vec<SimulatedPass>], &CompiledModel),
         split: Split,
-        observation: Observation,
+        nuisances: Nuisances,
     ) -> Result<Vec<Total>, EvidenceError> {
         let total = |view: &ScanView| {
-            let pass = &passes[view.trial][view.pass];
             let about = format!("{}, pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
-            Ok(match (&view.data, &pass.scan) {
-                (ScanData::Heights(data), PassScan::Heights(simulated)) => {
-                    let before = &self.simulation.trials[view.trial].trial.scans.before;
-                    Total { about, ..volume(data, &self.seen(view, simulated, observation), before) }
-                }
-                (ScanData::Exposure(data), _) => Total { about, ..bare_area(data, &margin(pass, model)?) },
-                (ScanData::Heights(_), PassScan::Exposure(_)) => unreachable!("a simulated scan is like the real one"),
-            })
+            let predicted = self.predicted(view, (passes, model), nuisances)?;
+            Ok(Total { about, ..view.data.total(&predicted, self.untouched(view).heights) })
         };
         self.of(split).map(total).collect()
     }
-}
-
-fn margin(pass: &SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
-    Ok(pass.surface.dose_margin(model)?.expect("a sanded surface has doses"))
-}
-
-/// Removed volume under all tiles.
-fn volume(data: &HeightView, simulated: &HeightMap, before: &HeightMap) -> Total {
-    let area = data.measured.pixels.pitch.powi(2);
-    let left = data.left_held(simulated);
-    let (mut predicted, mut missing) = (0.0, 0.0);
-    for (_, at) in data.tiles.pixels().filter(|(_, at)| left[*at].is_finite() && before.heights[*at].is_finite()) {
-        predicted += area * (before.heights[at] - simulated.heights[at]);
-        missing += area * left[at];
-    }
-    Total { about: String::new(), measured: predicted - missing, predicted, sigma: data.volume_sigma() }
-}
-
-/// Exposed area over all tiles.
-fn bare_area(data: &ExposureView, margin: &[f64]) -> Total {
-    let pixel = data.measured.pixels.pitch.powi(2);
-    let area =
-        |is_bare: &dyn Fn(usize) -> bool| pixel * data.tiles.pixels().filter(|&(_, at)| is_bare(at)).count() as f64;
-    let measured = area(&|at| data.measured.exposed[at] == Some(true));
-    Total { about: String::new(), measured, predicted: area(&|at| margin[at] >= 0.0), sigma: data.area_sigma() }
 }
 
 impl Totals for RowEvidence<'_> {

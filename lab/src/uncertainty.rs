@@ -8,7 +8,7 @@ use super::simulation_errors::{SHARE_SPREAD, with_lattice_error};
 
 /// Contributions to the covariance of a fit's parameters beside the curvature of χ².
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Doubt {
+pub struct ErrorTerms {
     /// Sum over blocks of the outer products of their scores, shape [coordinates, coordinates].
     scores: DMatrix<f64>,
     /// Change of the coordinates where the share of the lattice error in the data is off by [`SHARE_SPREAD`].
@@ -17,7 +17,7 @@ pub struct Doubt {
     smooth_shifts: DMatrix<f64>,
 }
 
-impl Doubt {
+impl ErrorTerms {
     /// Computes the contributions for a fit.
     ///
     /// - `blocks`: block number of each residual
@@ -84,14 +84,14 @@ impl Fit {
         let mut widening = DVector::from_element(informed.len(), spread);
         let mut shift = DVector::zeros(informed.len());
         let mut smooth = DMatrix::zeros(informed.len(), informed.len());
-        if let Some(doubt) = &self.doubt {
-            let scores = doubt.scores.select_columns(&informed).select_rows(&informed);
+        if let Some(error_terms) = &self.error_terms {
+            let scores = error_terms.scores.select_columns(&informed).select_rows(&informed);
             let sandwich = &inverse * scores * &inverse;
             for (k, &place) in informed.iter().enumerate() {
                 widening[k] = spread.max((sandwich[(k, k)] / inverse[(k, k)]).max(0.0).sqrt());
-                shift[k] = doubt.lattice_shift[place];
+                shift[k] = error_terms.lattice_shift[place];
             }
-            let shifts = doubt.smooth_shifts.select_rows(&informed);
+            let shifts = error_terms.smooth_shifts.select_rows(&informed);
             smooth = &shifts * shifts.transpose();
         }
         let mut covariance = DMatrix::from_diagonal_element(self.at.len(), self.at.len(), f64::INFINITY);

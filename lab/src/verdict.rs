@@ -30,6 +30,21 @@ pub enum Verdict {
     NotTestable,
 }
 
+impl Verdict {
+    /// Word in files and on pages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::Ambiguous => "ambiguous",
+            Self::Partly => "partly",
+            Self::Unknown => "unknown",
+            Self::Hint => "hint",
+            Self::NothingMissing => "nothing-missing",
+            Self::NotTestable => "not-testable",
+        }
+    }
+}
+
 /// Errors of a model over calibration and held-out data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standing<'a> {

@@ -70,6 +70,18 @@ pub enum Tool {
     Field(FieldTool),
 }
 
+/// Names of a shape's sizes [m] in one-line notation, and its tool of given sizes.
+pub(crate) type Notation = (&'static [&'static str], fn(&[f64]) -> Tool);
+
+impl Tool {
+    /// Shapes with a one-line notation, by name.
+    pub(crate) const NOTATIONS: [(&str, Notation); 3] = [
+        ("wheel", (&["radius", "width"], |sizes| Wheel::cylinder(sizes[0], sizes[1]).into())),
+        ("pad", (&["radius"], |sizes| Pad { radius: sizes[0] }.into())),
+        ("sphere", (&["radius"], |sizes| Sphere { radius: sizes[0] }.into())),
+    ];
+}
+
 impl From<Wheel> for Tool {
     fn from(wheel: Wheel) -> Self {
         Self::Wheel(wheel)

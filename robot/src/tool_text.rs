@@ -3,10 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::{Pad, Sphere, Tool, Wheel};
-
-/// Accepted notations, for messages.
-const TOOLS: &str = "wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE";
+use crate::Tool;
 
 /// A tool in one-line notation.
 #[derive(Clone, Debug)]
@@ -21,24 +18,29 @@ impl FromStr for ToolText {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = |why: String| format!("{why}; {TOOLS} is expected");
+        let wrong = |why: String| format!("{why}; {} is expected", accepted());
         let (kind, rest) = text.split_once(':').ok_or_else(|| wrong("a kind and its sizes are missing".to_owned()))?;
-        Ok(Self::Solid(match kind {
-            "wheel" => {
-                let [radius, width] = sizes(rest, ["radius", "width"]).map_err(wrong)?;
-                Wheel::cylinder(radius, width).into()
-            }
-            "pad" => Pad { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into(),
-            "sphere" => Sphere { radius: sizes(rest, ["radius"]).map_err(wrong)?[0] }.into(),
-            "mesh" => return Ok(Self::Mesh(rest.into())),
-            _ => return Err(wrong(format!("no tool is called `{kind}`"))),
-        }))
+        if kind == "mesh" {
+            return Ok(Self::Mesh(rest.into()));
+        }
+        let known = Tool::NOTATIONS.iter().find(|(name, _)| *name == kind);
+        let (_, (names, tool)) = known.ok_or_else(|| wrong(format!("no tool is called `{kind}`")))?;
+        Ok(Self::Solid(tool(&sizes(rest, names).map_err(wrong)?)))
     }
 }
 
+/// Accepted notations, for messages.
+fn accepted() -> String {
+    let example = |(kind, (names, _)): &(&str, (&[&str], _))| {
+        let sizes: Vec<String> = names.iter().zip([50, 20]).map(|(name, size)| format!("{name}={size}mm")).collect();
+        format!("{kind}:{}", sizes.join(","))
+    };
+    format!("{} or mesh:FILE", Tool::NOTATIONS.iter().map(example).collect::<Vec<_>>().join(", "))
+}
+
 /// Parses sizes [m] from a text such as `radius=50mm,width=20mm`.
-fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], String> {
-    let mut found = [None; N];
+fn sizes(text: &str, names: &[&str]) -> Result<Vec<f64>, String> {
+    let mut found = vec![None; names.len()];
     for part in text.split(',').filter(|part| !part.is_empty()) {
         let (name, value) =
             part.split_once('=').ok_or_else(|| format!("`{part}` is not a size such as {}=10mm", names[0]))?;
@@ -49,11 +51,8 @@ fn sizes<const N: usize>(text: &str, names: [&str; N]) -> Result<[f64; N], Strin
                 .ok_or_else(|| format!("`{value}` is not a length from 0.01 mm to 10 m, such as 20mm"))?,
         );
     }
-    let mut sizes = [0.0; N];
-    for ((size, found), name) in sizes.iter_mut().zip(found).zip(names) {
-        *size = found.ok_or_else(|| format!("the size `{name}` is missing"))?;
-    }
-    Ok(sizes)
+    let size = |(found, name): (Option<f64>, &&str)| found.ok_or_else(|| format!("the size `{name}` is missing"));
+    found.into_iter().zip(names).map(size).collect()
 }
 
 /// Parses a length [m] with its unit.

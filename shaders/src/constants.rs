@@ -123,7 +123,7 @@ shared_numbers! {
     CLIMB: i32 => i32 = 400;
     /// Recession after which a height field is written back [voxels]: well within the distance that φ keeps beyond its
     /// zero set.
-    COMMIT_RECESSION: f64 => f32 = 0.75;
+    WRITE_BACK_RECESSION: f64 => f32 = 0.75;
     /// Reflectance of paint at normal incidence.
     DIELECTRIC: f32 => f32 = 0.04;
     /// Length of a grinding mark in widths.

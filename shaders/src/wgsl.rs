@@ -48,7 +48,7 @@ macro_rules! simulation {
                 source!("trial_facing.wgsl"),
                 source!("trial_field.wgsl"),
                 source!("trial_path.wgsl"),
-                source!("trial_sheet.wgsl"),
+                source!("trial_height_field.wgsl"),
                 source!("trial_ramp.wgsl"),
                 source!("trial_contact.wgsl"),
                 source!("trial_tool_cells.wgsl"),
@@ -65,13 +65,13 @@ macro_rules! simulation {
 pub const SIMULATE_FIRST: Kernel = simulation!(
     "simulate_first",
     [
-        "trial_wall.wgsl",
+        "trial_side_face.wgsl",
         "trial_relax.wgsl",
         "trial_threshold.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
-        "trial_commit.wgsl",
-        "trial_renew.wgsl",
+        "trial_write_back.wgsl",
+        "trial_reinitialize.wgsl",
         "trial_bricks.wgsl",
         "trial_first.wgsl",
     ]
@@ -85,8 +85,8 @@ pub const SIMULATE_SECOND: Kernel = simulation!(
         "trial_threshold.wgsl",
         "trial_step.wgsl",
         "trial_apply.wgsl",
-        "trial_commit.wgsl",
-        "trial_renew.wgsl",
+        "trial_write_back.wgsl",
+        "trial_reinitialize.wgsl",
         "trial_bricks.wgsl",
         "trial_second.wgsl",
     ]

@@ -9,7 +9,7 @@ pub enum Phase {
     /// Height fields are read from the distance field.
     Read,
     /// Cell depths under the tool are measured, for every trial of the force balance.
-    Squares,
+    Cells,
     /// Cells in contact are gathered into lanes, and the model's formulas are evaluated on them.
     Model,
     /// Lanes are integrated over the step, and their forces are summed.
@@ -22,7 +22,7 @@ pub enum Phase {
 
 impl Phase {
     /// All phases, in the order of a step.
-    pub const ALL: [Self; 6] = [Self::Read, Self::Squares, Self::Model, Self::Integrate, Self::Apply, Self::Write];
+    pub const ALL: [Self; 6] = [Self::Read, Self::Cells, Self::Model, Self::Integrate, Self::Apply, Self::Write];
 }
 
 /// Sums of the time of each [`Phase`].

@@ -9,23 +9,23 @@ mod border;
 mod deepest_point;
 mod patch;
 mod rows;
+mod side_face;
 mod subdivision;
-mod wall;
 
 use std::ops::Range;
 
 use glam::DVec3;
 use serde::Serialize;
 
-pub(crate) use self::border::SheetFrame;
+pub(crate) use self::border::HeightFieldFrame;
 use self::border::{Border, Cover, swept_spans};
 pub(crate) use self::deepest_point::DeepestPoint;
 use self::rows::{ClassifyCells, Covers, Depths, UNRESOLVED, rows_around};
 use crate::clipped_cell::{ramp_mean, wet_share};
+use crate::height_field::HeightField;
 use crate::lines::{Lines, Run};
 use crate::pose::{Frame, Placement};
 use crate::region::Region;
-use crate::sheet::Sheet;
 use robot::Tool;
 
 /// Motion of a tool across its own axis up to which the covers are not measured again [voxels].
@@ -57,7 +57,7 @@ impl Contact {
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
     /// The height field.
-    pub sheet: &'a Sheet,
+    pub height_field: &'a HeightField,
     /// Its columns that are evaluated.
     pub region: &'a Region,
 }
@@ -112,25 +112,25 @@ impl ContactCells {
     /// Measures the depths under a tool over a region. `gap` [m] is the distance that effects add between tool and
     /// workpiece, one value per column of the grown region, or empty. The contact is a mean over the tool's sweep about
     /// its pose: it uses the time in which the working surface is over a cell, and a pad's depth in that time.
-    pub fn measure(&mut self, place: &Placement, &Ground { sheet, region }: &Ground, gap: &[f64]) {
+    pub fn measure(&mut self, place: &Placement, &Ground { height_field, region }: &Ground, gap: &[f64]) {
         let &Placement { tool, pose, sweep } = place;
-        self.clear(sheet.window.lines());
+        self.clear(height_field.window.lines());
         self.region.clone_from(region);
-        let border = Border::new(place, sheet);
+        let border = Border::new(place, height_field);
         self.way = border.frame.turned(border.sweep);
-        self.lag.resize(if sweep == DVec3::ZERO { 0 } else { sheet.window.lines() }, 0.0);
+        self.lag.resize(if sweep == DVec3::ZERO { 0 } else { height_field.window.lines() }, 0.0);
         let sought =
-            |row| if sweep == DVec3::ZERO { region.columns.clone() } else { border.columns(sheet, region, row) };
+            |row| if sweep == DVec3::ZERO { region.columns.clone() } else { border.columns(height_field, region, row) };
         self.columns.clear();
         self.columns.extend(region.rows.clone().map(sought));
         let lanes = pulp::Arch::new();
-        lanes.dispatch(Depths { border: &border, sheet, contact_cells: self });
-        for (line, gap) in region.grown().lines(sheet.window.size[1]).zip(gap) {
+        lanes.dispatch(Depths { border: &border, height_field, contact_cells: self });
+        for (line, gap) in region.grown().lines(height_field.window.size[1]).zip(gap) {
             self.depth[line] -= gap;
         }
-        self.leave_walls(&border, sheet);
-        lanes.dispatch(Covers { border: &border, sheet, contact_cells: self });
-        self.settle(&border, sheet);
+        self.remove_side_faces(&border, height_field);
+        lanes.dispatch(Covers { border: &border, height_field, contact_cells: self });
+        self.settle(&border, height_field);
         let is_pad = matches!(tool, Tool::Pad(_)) && gap.is_empty();
         self.at = is_pad.then_some(Measured { frame: pose.frame, sweep, over: pose.centre, centre: pose.centre });
     }
@@ -142,16 +142,16 @@ impl ContactCells {
 
     /// Updates the depths of a pad that has only moved along its axis over the same region of the same height field.
     /// Returns true if that is the only motion; otherwise nothing is measured.
-    pub fn measure_deeper(&mut self, place: &Placement, sheet: &Sheet) -> bool {
+    pub fn measure_deeper(&mut self, place: &Placement, height_field: &HeightField) -> bool {
         let Placement { pose, sweep, .. } = *place;
         let Some(at) = self.at.filter(|at| at.frame == pose.frame && at.sweep == sweep) else { return false };
         let across = (pose.centre - at.over).reject_from_normalized(pose.frame.z);
-        if across.length() > SAME_COVER * sheet.pitch {
+        if across.length() > SAME_COVER * height_field.pitch {
             return false;
         }
         self.at = Some(Measured { centre: pose.centre, ..at });
         let deeper = pose.frame.z.dot(at.centre - pose.centre);
-        for lines in rows_around(&self.region, &self.columns, sheet.window.size[1]) {
+        for lines in rows_around(&self.region, &self.columns, height_field.window.size[1]) {
             self.depth[lines].iter_mut().for_each(|depth| *depth += deeper);
         }
         self.room -= deeper.abs();
@@ -162,19 +162,19 @@ impl ContactCells {
             }
             return true;
         }
-        self.clear(sheet.window.lines());
-        self.settle(&Border::new(place, sheet), sheet);
+        self.clear(height_field.window.lines());
+        self.settle(&Border::new(place, height_field), height_field);
         true
     }
 
     /// Computes mean depths and shares of all cells from known depths and covers.
-    fn settle(&mut self, border: &Border, sheet: &Sheet) {
-        pulp::Arch::new().dispatch(ClassifyCells { border, sheet, contact_cells: self });
+    fn settle(&mut self, border: &Border, height_field: &HeightField) {
+        pulp::Arch::new().dispatch(ClassifyCells { border, height_field, contact_cells: self });
         let subdivided = self.needs_subdivision(border);
         if subdivided {
-            self.unsettle(sheet);
+            self.unsettle(height_field);
         }
-        let across = sheet.window.size[1];
+        let across = height_field.window.size[1];
         for (place, row) in self.region.rows.clone().enumerate() {
             let columns = &self.columns[place];
             let (mut line, end) = (row * across + columns.start, row * across + columns.end);
@@ -182,9 +182,9 @@ impl ContactCells {
                 if self.share[line] == UNRESOLVED {
                     self.share[line] = 0.0;
                     if subdivided {
-                        self.measure_subdivided(border, sheet, line);
+                        self.measure_subdivided(border, height_field, line);
                     } else {
-                        self.measure_cell(border, sheet, line);
+                        self.measure_cell(border, height_field, line);
                     }
                     line += 1;
                     continue;
@@ -209,14 +209,14 @@ impl ContactCells {
         }
     }
 
-    fn measure_cell(&mut self, border: &Border, sheet: &Sheet, line: usize) {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
+    fn measure_cell(&mut self, border: &Border, height_field: &HeightField, line: usize) {
+        let (along, sideways) = self.differences(line, height_field.window.size[1], height_field.pitch);
         let spans = (0.5 * along.mean.abs(), 0.5 * sideways.mean.abs());
         let most = spans.0 + spans.1 + border.sunk();
         if self.depth[line] <= -most - border.sunk() {
             return;
         }
-        let cover = self.cover_of(border, sheet, line);
+        let cover = self.cover_of(border, height_field, line);
         let depth = self.depth[line] + border.sinking * cover.lag;
         if self.lag.is_empty() {
             self.cover[line] = cover.share;
@@ -240,10 +240,10 @@ impl ContactCells {
         }
     }
 
-    fn cover_of(&self, border: &Border, sheet: &Sheet, line: usize) -> Cover {
+    fn cover_of(&self, border: &Border, height_field: &HeightField, line: usize) -> Cover {
         let share = self.cover[line];
         if share == UNRESOLVED {
-            return border.cover(sheet, line);
+            return border.cover(height_field, line);
         }
         Cover { share, lag: self.lag.get(line).copied().unwrap_or(0.0) }
     }
@@ -284,19 +284,19 @@ impl ContactCells {
     }
 
     /// Curvature ∇²(depth) at a column [1/m].
-    pub fn laplacian(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        (along.bend + sideways.bend) / (sheet.pitch * sheet.pitch)
+    pub fn laplacian(&self, height_field: &HeightField, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, height_field.window.size[1], height_field.pitch);
+        (along.bend + sideways.bend) / (height_field.pitch * height_field.pitch)
     }
 
     /// True if any cell on the region's border is in contact: then the region may be too small.
-    pub fn reaches_border(&self, sheet: &Sheet) -> bool {
-        self.region.border(sheet.window.size[1]).any(|line| self.share[line] > 0.0)
+    pub fn reaches_border(&self, height_field: &HeightField) -> bool {
+        self.region.border(height_field.window.size[1]).any(|line| self.share[line] > 0.0)
     }
 
     /// Largest depth under the working surface [m]; negative when the tool is above the surface (the gap).
-    pub fn deepest(&self, place: &Placement, sheet: &Sheet) -> f64 {
-        self.under(place, sheet).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
+    pub fn deepest(&self, place: &Placement, height_field: &HeightField) -> f64 {
+        self.under(place, height_field).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -344,7 +344,7 @@ fn bend_at_rim(depth: f64, along: &Difference, sideways: &Difference) -> f64 {
 
 /// Integral of x²/2 over the part of a unit cell in contact, which extends from x = 1/2 inwards over `share`; 1/24 for
 /// a full cell.
-fn wet_square_mean(share: f64) -> f64 {
+fn wet_cell_mean(share: f64) -> f64 {
     (0.125 - (0.5 - share).powi(3)) / 6.0
 }
 
@@ -360,7 +360,7 @@ fn partly_wet(
     let spans = swept_spans(spans, sunk);
     let share = wet_share(depth, spans);
     let (crossed, other) = if steep_along { (along.bend, sideways.bend) } else { (sideways.bend, along.bend) };
-    let bent = crossed * wet_square_mean(share) + other * share / 24.0;
+    let bent = crossed * wet_cell_mean(share) + other * share / 24.0;
     let rim = if share < 1.0 { bend_at_rim(depth, along, sideways) } else { 0.0 };
     let area = if rim == 0.0 { share } else { wet_share(depth + rim, spans) };
     (ramp_mean(depth, spans) + bent, share, area)

@@ -8,11 +8,11 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use sdf_bake::PixelGrid;
 
-use crate::sheet::{Facing, Sheet};
+use crate::height_field::{Facing, HeightField};
 
 /// A cell of the surface in one step.
 #[derive(Clone, Copy, Debug)]
-pub struct Square {
+pub struct ContactCell {
     /// Column index in the height field.
     pub line: usize,
     /// Mean share of the cell that was in contact.
@@ -94,24 +94,24 @@ impl Covariates {
     /// speed [m/s].
     pub(crate) fn add(
         &mut self,
-        sheet: &Sheet,
-        contact_cells: impl Iterator<Item = Square>,
+        height_field: &HeightField,
+        contact_cells: impl Iterator<Item = ContactCell>,
         slip_speed: impl Fn(DVec3) -> f64,
         (time, dt): (f64, f64),
     ) {
-        if sheet.facing != Facing::of(DVec3::Z) {
+        if height_field.facing != Facing::of(DVec3::Z) {
             return;
         }
-        for square in contact_cells {
-            let Some(at) = self.line(sheet.window.place(square.line)) else { continue };
-            let contact = square.share * dt;
-            self.pressure_time[at] += square.load * dt;
-            self.peak_pressure[at] = self.peak_pressure[at].max(square.load);
+        for cell in contact_cells {
+            let Some(at) = self.line(height_field.window.place(cell.line)) else { continue };
+            let contact = cell.share * dt;
+            self.pressure_time[at] += cell.load * dt;
+            self.peak_pressure[at] = self.peak_pressure[at].max(cell.load);
             self.contact_time[at] += contact;
-            self.slip_way[at] += contact * slip_speed(sheet.facing.world(sheet.point(square.line)));
-            self.removed[at] += square.recession;
-            self.dose[at] += square.dose;
-            if self.first_contact[at].is_nan() && square.share > 0.0 {
+            self.slip_way[at] += contact * slip_speed(height_field.facing.world(height_field.point(cell.line)));
+            self.removed[at] += cell.recession;
+            self.dose[at] += cell.dose;
+            if self.first_contact[at].is_nan() && cell.share > 0.0 {
                 self.first_contact[at] = time;
             }
         }

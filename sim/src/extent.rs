@@ -3,8 +3,8 @@
 use glam::DVec3;
 pub(crate) use shaders::constants::MARGIN;
 
+use crate::height_field::{Facing, Window};
 use crate::pose::Pose;
-use crate::sheet::{Facing, Window};
 use robot::Tool;
 
 /// Least and greatest x and y of the contact in the tool's frame [m].
@@ -45,7 +45,7 @@ impl Extent {
     fn corners(&self, tool: &Tool, pose: &Pose, facing: Facing) -> [DVec3; 4] {
         let bottom = pose.centre - pose.frame.z * tool.drop();
         [(self.x.0, self.y.0), (self.x.0, self.y.1), (self.x.1, self.y.0), (self.x.1, self.y.1)]
-            .map(|(x, y)| facing.sheet(bottom + pose.frame.x * x + pose.frame.y * y))
+            .map(|(x, y)| facing.height_field(bottom + pose.frame.x * x + pose.frame.y * y))
     }
 
     /// The window that contains the contact at all `poses`, and its lowest corner [m up].

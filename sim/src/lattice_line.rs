@@ -6,7 +6,7 @@ use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
 use shaders::constants::CLIMB;
 
 use crate::crossing::way_to_zero;
-use crate::sheet::{Facing, Window};
+use crate::height_field::{Facing, Window};
 
 /// Index steps between neighbours along x, y and z among a brick's values.
 const VALUE_STEPS: [i32; 3] = [64, 8, 1];

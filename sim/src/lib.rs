@@ -33,7 +33,6 @@
 
 mod clipped_cell;
 pub mod clock;
-mod commit;
 pub mod contact;
 pub mod control;
 pub mod covariates;
@@ -41,6 +40,7 @@ mod crossing;
 mod extent;
 mod force_profile;
 pub mod gpu;
+pub mod height_field;
 mod lattice_line;
 pub mod lines;
 mod measured;
@@ -55,12 +55,12 @@ pub mod record;
 pub mod region;
 mod scheme;
 pub mod settings;
-pub mod sheet;
 mod step;
 mod step_values;
 pub mod surface;
 mod tool_cells;
 pub mod topography;
+mod write_back;
 
 pub use clock::{Clock, Phase};
 pub use contact::Contact;

@@ -6,11 +6,11 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::clock::{Clock, Phase};
-use crate::contact::{Contact, ContactCells, Ground, SheetFrame};
+use crate::contact::{Contact, ContactCells, Ground, HeightFieldFrame};
 use crate::covariates::Covariates;
+use crate::height_field::HeightField;
 use crate::lines::{Lines, Run};
 use crate::pose::Placement;
-use crate::sheet::Sheet;
 use crate::tool_cells::ToolCells;
 use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
 use robot::Tool;
@@ -20,7 +20,7 @@ use sdf_bake::simd::in_wide_lanes;
 #[derive(Clone, Copy)]
 pub struct InContact<'a> {
     /// The height field.
-    pub sheet: &'a Sheet,
+    pub height_field: &'a HeightField,
     /// Their depths and shares under the tool, if measured.
     pub contact_cells: Option<&'a ContactCells>,
     /// Their column indices.
@@ -186,9 +186,9 @@ impl<'a> Physics<'a> {
             return Ok(());
         }
         let mut lines = Lines::default();
-        let Ground { sheet, region } = *ground;
-        region.grown().lines(sheet.window.size[1]).for_each(|line| lines.push(line));
-        self.place(place, &InContact { sheet, contact_cells: None, lines: &lines });
+        let Ground { height_field, region } = *ground;
+        region.grown().lines(height_field.window.size[1]).for_each(|line| lines.push(line));
+        self.place(place, &InContact { height_field, contact_cells: None, lines: &lines });
         out.resize(lines.len(), 0.0);
         self.run(Hook::Shape, &[], out)
     }
@@ -199,15 +199,15 @@ impl<'a> Physics<'a> {
         self.fill(&balancing, place, at);
         self.balancing = balancing;
         self.tool_cell.clear();
-        let InContact { sheet, lines, .. } = *at;
+        let InContact { height_field, lines, .. } = *at;
         if self.model.needs_tool_cells() {
-            let (cells, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
-            let place = |&line: &u32| cells.place(frame.local(sheet.point(line as usize)));
+            let (cells, frame) = (ToolCells::of(place.tool), HeightFieldFrame::new(&place.pose, height_field));
+            let place = |&line: &u32| cells.place(frame.local(height_field.point(line as usize)));
             self.tool_cell.extend(lines.list().iter().map(place));
         }
         for (number, state) in self.model.cell_states().iter().enumerate() {
             let value = |&line: &u32| {
-                let cell = self.cells.get(&sheet.window.place(line as usize));
+                let cell = self.cells.get(&height_field.window.place(line as usize));
                 cell.map_or(state.initial, |values| values[number])
             };
             self.cell_lanes[number].clear();
@@ -224,10 +224,10 @@ impl<'a> Physics<'a> {
 
     /// Fills the lanes of the given variables.
     fn fill(&mut self, variables: &[Variable], place: &Placement, at: &InContact) {
-        let InContact { sheet, contact_cells, lines } = *at;
+        let InContact { height_field, contact_cells, lines } = *at;
         let motion = self.motion();
-        let frame = SheetFrame::new(&place.pose, sheet);
-        let local = |line: usize| frame.local(sheet.point(line));
+        let frame = HeightFieldFrame::new(&place.pose, height_field);
+        let local = |line: usize| frame.local(height_field.point(line));
         for &variable in variables {
             let lane = &mut self.lanes[variable as usize];
             lane.clear();
@@ -241,20 +241,20 @@ impl<'a> Physics<'a> {
             }
             let value = |line: usize| -> f64 {
                 match variable {
-                    Variable::X => sheet.facing.world(sheet.point(line)).x,
-                    Variable::Y => sheet.facing.world(sheet.point(line)).y,
-                    Variable::Z => sheet.facing.world(sheet.point(line)).z,
+                    Variable::X => height_field.facing.world(height_field.point(line)).x,
+                    Variable::Y => height_field.facing.world(height_field.point(line)).y,
+                    Variable::Z => height_field.facing.world(height_field.point(line)).z,
                     Variable::ToolX => local(line).x,
                     Variable::ToolY => local(line).y,
                     Variable::DepthLaplacian => {
-                        contact_cells.map_or(0.0, |contact_cells| contact_cells.laplacian(sheet, line))
+                        contact_cells.map_or(0.0, |contact_cells| contact_cells.laplacian(height_field, line))
                     }
-                    Variable::RemovedDepth => sheet.removed[line],
-                    Variable::Dose => sheet.dose[line],
-                    Variable::CoatingRemoved => sheet.dose[line].min(1.0) * self.coating,
-                    Variable::EdgeDistance => sheet.edge_distances()[line],
-                    Variable::Slope => sheet.slope_against(line, place.pose.approach),
-                    Variable::Label => f64::from(sheet.label[line]),
+                    Variable::RemovedDepth => height_field.removed[line],
+                    Variable::Dose => height_field.dose[line],
+                    Variable::CoatingRemoved => height_field.dose[line].min(1.0) * self.coating,
+                    Variable::EdgeDistance => height_field.edge_distances()[line],
+                    Variable::Slope => height_field.slope_against(line, place.pose.approach),
+                    Variable::Label => f64::from(height_field.label[line]),
                     _ => 0.0,
                 }
             };
@@ -270,7 +270,7 @@ impl<'a> Physics<'a> {
         &mut self,
         lines: &Lines,
         means: &[(Variable, &[f64])],
-        sheet: &Sheet,
+        height_field: &HeightField,
         dt: f64,
     ) -> Result<(), RunError> {
         if self.cell_lanes.is_empty() {
@@ -283,7 +283,7 @@ impl<'a> Physics<'a> {
         self.model.advance_cells(dt, (&self.step, self.states), &lanes, &mut out)?;
         for (lane, &line) in lines.list().iter().enumerate() {
             let values = moved.iter().map(|values| values[lane]).collect();
-            self.cells.insert(sheet.window.place(line as usize), values);
+            self.cells.insert(height_field.window.place(line as usize), values);
         }
         Ok(())
     }
@@ -350,14 +350,14 @@ impl<'a> Physics<'a> {
 /// weighted with the depth.
 #[inline(always)]
 fn slip_speeds(
-    (tool, frame): (&Tool, &SheetFrame),
+    (tool, frame): (&Tool, &HeightFieldFrame),
     (spindle, feed): (f64, DVec3),
-    &InContact { sheet, contact_cells, lines }: &InContact,
+    &InContact { height_field, contact_cells, lines }: &InContact,
     out: &mut [f64],
 ) {
     for Run { lines: run, lanes } in lines.runs() {
         let speeds = &mut out[lanes.clone()];
-        let points = sheet.places()[run.clone()].iter().zip(&sheet.height[run.clone()]);
+        let points = height_field.places()[run.clone()].iter().zip(&height_field.height[run.clone()]);
         let places = points.map(|([u, v], height)| frame.local(DVec3::new(*u, *v, *height)));
         let speeds = speeds.iter_mut().zip(places);
         match contact_cells.and_then(|contact_cells| Some((contact_cells, contact_cells.lag.get(run.clone())?))) {

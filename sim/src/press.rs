@@ -6,11 +6,11 @@ use sdf_bake::BrickGrid;
 use crate::contact::Contact;
 use crate::control::{Balance, Motion, Response};
 use crate::extent::Extent;
+use crate::height_field::{Facing, HeightField};
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::scheme::{EndForce, Grinding, Scheme};
-use crate::sheet::{Facing, Sheet};
 use crate::surface::way_to_surface;
 use effects::RunError;
 use robot::Tool;
@@ -34,7 +34,7 @@ pub struct Press<'a> {
     tool: &'a Tool,
     pose: Pose,
     reach: f64,
-    sheet: Sheet,
+    height_field: HeightField,
     /// Scheme of a step without duration.
     scheme: Grinding,
     /// Point of the first touch [m].
@@ -47,11 +47,11 @@ impl<'a> Press<'a> {
         let facing = Facing::of(pose.approach);
         let extent = Extent::of(tool, 2.0 * reach);
         let (window, lowest) = extent.window(tool, &[pose], facing, grid.voxel);
-        let level = facing.sheet(pose.centre - pose.frame.z * tool.drop()).z;
-        let sheet = Sheet::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
+        let level = facing.height_field(pose.centre - pose.frame.z * tool.drop()).z;
+        let height_field = HeightField::read(grid, facing, window, level + reach, lowest - reach - BELOW * grid.voxel);
         let mut scheme = Grinding::default();
-        scheme.look_at(Region::inside(&sheet.window));
-        Self { tool, pose, reach, sheet, scheme, touched: None }
+        scheme.look_at(Region::inside(&height_field.window));
+        Self { tool, pose, reach, height_field, scheme, touched: None }
     }
 
     /// The same with the cells at rim and border subdivided into sub-cells of a sixteenth of a voxel. Otherwise cells
@@ -69,13 +69,13 @@ impl<'a> Press<'a> {
     pub fn contact(&mut self, travel: f64, physics: &mut Physics) -> Result<Contact, RunError> {
         let place = self.at(travel, physics)?;
         self.force_at(&place, physics)?;
-        self.scheme.face(&place.pose, &self.sheet);
+        self.scheme.face(&place.pose, &self.height_field);
         let step = self.scheme.step();
-        let moment = step.moment(&place.pose, &self.sheet);
-        let peak = step.start_peak(&place, &self.sheet);
+        let moment = step.moment(&place.pose, &self.height_field);
+        let peak = step.start_peak(&place, &self.height_field);
         let pressure_max = step.pressure_to(peak.as_ref());
-        let contact = Contact { moment, pressure_max, ..step.contact(&self.sheet).0 };
-        let width = step.extent(&place.pose, &self.sheet).map_or(0.0, |extent| extent.y.1 - extent.y.0);
+        let contact = Contact { moment, pressure_max, ..step.contact(&self.height_field).0 };
+        let width = step.extent(&place.pose, &self.height_field).map_or(0.0, |extent| extent.y.1 - extent.y.0);
         physics.has_met(&contact, width);
         Ok(contact)
     }
@@ -87,8 +87,8 @@ impl<'a> Press<'a> {
 
     /// Force on the tool at a placement.
     fn force_at(&mut self, place: &Placement, physics: &mut Physics) -> Result<EndForce, RunError> {
-        self.scheme.begin(place, &self.sheet, physics)?;
-        self.scheme.force_at(place, &self.sheet, physics, 0.0)
+        self.scheme.begin(place, &self.height_field, physics)?;
+        self.scheme.force_at(place, &self.height_field, physics, 0.0)
     }
 
     /// Travel [m] at which the tool first touches the surface from above; `None` if it touches none within reach.
@@ -99,12 +99,12 @@ impl<'a> Press<'a> {
         let (mut travel, mut gap) = (self.reach, f64::INFINITY);
         for _ in 0..TOUCH_STEPS {
             let place = self.at(travel, physics)?;
-            self.scheme.begin(&place, &self.sheet, physics)?;
-            let peak = self.scheme.step().start_peak(&place, &self.sheet);
+            self.scheme.begin(&place, &self.height_field, physics)?;
+            let peak = self.scheme.step().start_peak(&place, &self.height_field);
             let Some(peak) = peak.filter(|_| travel >= -self.reach) else { return Ok(None) };
             // The gap is the shortest distance to the surface, so a step never goes too far.
             travel += peak.depth;
-            self.touched = Some(self.sheet.facing.world(peak.point));
+            self.touched = Some(self.height_field.facing.world(peak.point));
             let before = std::mem::replace(&mut gap, peak.depth.abs());
             if gap < TOUCH_TOLERANCE || (gap < TOUCH_NOISE && gap >= before) {
                 break;
@@ -127,7 +127,7 @@ impl<'a> Press<'a> {
     /// # Errors
     /// As [`Press::contact`].
     pub fn patch(&self, travel: f64, physics: &Physics) -> Result<(f64, f64), RunError> {
-        let patch = self.scheme.step().patch(&self.at(travel, physics)?, &self.sheet);
+        let patch = self.scheme.step().patch(&self.at(travel, physics)?, &self.height_field);
         Ok(patch.map_or((0.0, 0.0), |patch| (patch.x.1 - patch.x.0, patch.y.1 - patch.y.0)))
     }
 
@@ -151,7 +151,7 @@ impl<'a> Press<'a> {
         balance.solve(touch - FIRST_PRESS, |travel| {
             let place = self.at(travel, physics)?;
             let end = self.force_at(&place, physics)?;
-            let depth = self.scheme.gap(&place, &self.sheet);
+            let depth = self.scheme.gap(&place, &self.height_field);
             Ok(Response { force: end.force, stiffness: end.stiffness, depth })
         })
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::sheet::Window;
+use crate::height_field::Window;
 
 /// A rectangle of a window's columns, each with neighbours on all sides.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

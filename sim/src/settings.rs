@@ -20,7 +20,7 @@ use robot::Tool;
 pub const BAND_VOXELS: f64 = KEPT_VOXELS + 1.0;
 
 /// Minimum number of cells across a tool.
-const LEAST_SQUARES: f64 = 2.0;
+const LEAST_CELLS: f64 = 2.0;
 /// Longest step of all [s]: for sanding, while the tool keeps its velocity.
 pub(crate) const LONGEST_STEADY_STEP: f64 = 0.08;
 /// Longest step under an effect that makes the controller's reading depend on time [s]: a tenth of a period at 20 Hz.
@@ -40,7 +40,7 @@ pub struct PassSettings {
     /// True if an admittance controller is stepped at its own period only where its dynamics matter. Default: true.
     pub quasi_static: bool,
     /// Distance of the tool after which the height field is written back [voxels]. Default 6.
-    pub commit_voxels: f64,
+    pub write_back_voxels: f64,
     /// Thickness of the coating h_c [m], for sanding. Default 50e-6.
     pub coating: f64,
     /// Search range for the tool's travel above and below its path [m]. Default 20e-3.
@@ -59,7 +59,7 @@ impl Default for PassSettings {
             spindle_speed: 6000.0 * std::f64::consts::TAU / 60.0,
             step_voxels: 0.6,
             quasi_static: true,
-            commit_voxels: 6.0,
+            write_back_voxels: 6.0,
             coating: 50e-6,
             search_reach: 20e-3,
             most_steps: None,
@@ -144,7 +144,7 @@ pub enum PassError {
     /// Voxels too coarse for the tool.
     #[error(
         "voxels of {voxel} mm are too coarse for a tool of {size} mm: at most {} mm is accepted",
-        .size / LEAST_SQUARES
+        .size / LEAST_CELLS
     )]
     CoarseField {
         /// Voxel of the field [mm].
@@ -247,7 +247,7 @@ impl PassSettings {
         let mut settings = vec![
             ("force setpoint [N]", self.force_setpoint),
             ("step_voxels", self.step_voxels),
-            ("commit_voxels", self.commit_voxels),
+            ("write_back_voxels", self.write_back_voxels),
             ("coating thickness [m]", self.coating),
             ("search_reach [m]", self.search_reach),
         ];
@@ -277,6 +277,6 @@ impl PassSettings {
     pub fn check_voxel(voxel: f64, tool: &Tool) -> Result<(), PassError> {
         let (along, across) = tool.half_footprint(f64::INFINITY);
         let (voxel, size) = (voxel * 1e3, 2e3 * along.min(across));
-        if size < LEAST_SQUARES * voxel { Err(PassError::CoarseField { voxel, size }) } else { Ok(()) }
+        if size < LEAST_CELLS * voxel { Err(PassError::CoarseField { voxel, size }) } else { Ok(()) }
     }
 }

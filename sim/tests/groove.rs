@@ -8,7 +8,7 @@ use effects::{CompiledModel, Library, Model, Process as Kind, RowCounts};
 use glam::{DMat3, DVec3};
 use robot::{Controller, Tool, Wheel};
 use sdf_bake::BrickGrid;
-use sim::sheet::{Facing, Sheet, Window};
+use sim::height_field::{Facing, HeightField, Window};
 use sim::{CurvePoint, Pass, PassRecord, PassSettings, Path, run_pass};
 
 const STIFFNESS: f64 = 1e10;
@@ -120,13 +120,13 @@ impl Groove {
         let back = DMat3::from_rotation_z(-self.turn);
         let lines = (12e-3 / grid.voxel) as i32;
         let window = Window { low: [-lines; 2], size: [2 * lines as usize + 1; 2] };
-        let sheet = Sheet::read(grid, Facing::of(DVec3::Z), window, 1e-3, -2e-3);
+        let height_field = HeightField::read(grid, Facing::of(DVec3::Z), window, 1e-3, -2e-3);
         let under = (0..window.lines()).filter(|&line| {
             let (i, j) = window.place(line);
             let at = back * DVec3::new(f64::from(i), f64::from(j), 0.0) * grid.voxel;
             (6e-3..12e-3).contains(&at.x) && at.y.abs() < 2e-3
         });
-        let depths: Vec<f64> = under.map(|line| -sheet.height[line]).collect();
+        let depths: Vec<f64> = under.map(|line| -height_field.height[line]).collect();
         depths.iter().sum::<f64>() / depths.len() as f64
     }
 }

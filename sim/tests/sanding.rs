@@ -11,8 +11,8 @@ use glam::DVec3;
 use robot::{Controller, Pad, Tool};
 use sdf_bake::BrickGrid;
 use sim::contact::{ContactCells, Ground};
+use sim::height_field::{Facing, HeightField, Window};
 use sim::region::Region;
-use sim::sheet::{Facing, Sheet, Window};
 use sim::{Frame, Pass, PassRecord, PassSettings, Path, PathSample, Placement, Pose, run_pass};
 
 const VOXEL: f64 = 0.5e-3;
@@ -49,10 +49,10 @@ fn doses(
     let record = run_pass(&mut grid, pass, &mut fresh(model), &mut |_| {}).expect("a pass");
     let across = (reach / VOXEL) as i32;
     let window = Window { low: [-1, -across], size: [3, 2 * across as usize + 1] };
-    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
+    let height_field = HeightField::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
     let at = |y: &f64| {
         let column = (y / VOXEL).round() as i32;
-        (f64::from(column) * VOXEL, sheet.dose[window.size[1] + (column + across) as usize])
+        (f64::from(column) * VOXEL, height_field.dose[window.size[1] + (column + across) as usize])
     };
     (record, places.iter().map(at).collect())
 }
@@ -153,13 +153,13 @@ fn a_pad_that_turns_a_corner_leaves_the_dose_of_its_slip() {
     let pass = Pass::first(&tool, &path, &settings, &model);
     let record = run_pass(&mut grid, pass, &mut fresh(&model), &mut |_| {}).expect("a pass");
     let window = Window { low: [-48, -48], size: [97, 97] };
-    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
+    let height_field = HeightField::read(&grid, Facing::of(DVec3::Z), window, 1e-3, -1e-3);
     println!("{} steps", record.steps);
     for (x, y) in [(-5.0, -15.0), (5.0, -20.0), (12.0, -15.0), (15.0, -13.0), (18.0, -17.0), (12.0, -10.0), (19.0, 0.0)]
     {
         let place = DVec3::new(x, y, 0.0) * 1e-3;
         let column = |along: f64| ((along * 1e-3 / VOXEL).round() + 48.0) as usize;
-        let found = sheet.dose[column(x) * window.size[1] + column(y)];
+        let found = height_field.dose[column(x) * window.size[1] + column(y)];
         let exact = SANDING_RATE * force / (PI * radius * radius) * dose_along(&path, (radius, spin), place);
         report(&format!("round a corner, x = {x} mm"), place.y, found, exact);
     }
@@ -173,9 +173,9 @@ fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
     let hole = |p: DVec3| (p - DVec3::new(-0.006, 0.003, 0.0)).truncate().length() - 0.002;
     let grid = BrickGrid::from_distance(-half, half, VOXEL, 3.0, |p| p.z.min(bead(p)).max(-hole(p)));
     let window = Window { low: [-30, -30], size: [61, 61] };
-    let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 2e-3, -1e-3);
+    let height_field = HeightField::read(&grid, Facing::of(DVec3::Z), window, 2e-3, -1e-3);
     let (tool, region) = (Tool::from(Pad { radius: 0.0125 }), Region::inside(&window));
-    let ground = Ground { sheet: &sheet, region: &region };
+    let ground = Ground { height_field: &height_field, region: &region };
     let sweep = DVec3::new(1e-3, 4e-4, -3e-5);
     let (mut steady, mut wet) = (ContactCells::default(), Vec::new());
     for tilt in [0.0, 4e-3] {
@@ -184,7 +184,7 @@ fn a_pad_that_only_sinks_in_is_measured_as_by_a_full_measurement() {
         let place = |sunk: f64| Placement { tool: &tool, pose: pose(sunk), sweep };
         steady.measure(&place(-9e-4), &ground, &[]);
         for sunk in [-9e-4, -8.99e-4, -8e-4, 1e-4, 5e-4, 5.1e-4, 5.05e-4, 3e-4, -2e-4] {
-            if !steady.measure_deeper(&place(sunk), &sheet) {
+            if !steady.measure_deeper(&place(sunk), &height_field) {
                 steady.measure(&place(sunk), &ground, &[]);
                 assert_ne!(tilt, 0.0, "a level pad does not move across its axis");
             }

@@ -19,7 +19,7 @@ use study::{CALIBRATION_FILE, CalibrationAnswer, Data, Measurements};
 
 /// Kind of the result folder.
 const CALIBRATION: FolderKind =
-    FolderKind { marker: CALIBRATION_FILE, key: "noise_floor_um", names: &[("", &["model.toml", "report.html"])] };
+    FolderKind { marker: CALIBRATION_FILE, key: "noise_floor", names: &[("", &["model.toml", "report.html"])] };
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  robofin calibrate trials --out out/base\n  \

@@ -14,7 +14,7 @@ use files::folder::StagedFolder;
 use files::output::FolderKind;
 use lab::{Better, ErrorUnit, Paired};
 use report::study::page;
-use study::{Data, Measurements, StudyReport, Verdict, pair_in_words, pair_report};
+use study::{Conclusion, Data, Measurements, StudyReport, pair_in_words, pair_report};
 
 /// File that marks a result folder.
 const PAIR_FILE: &str = "pair.json";
@@ -61,9 +61,13 @@ pub(super) fn run(args: &CompareArgs, files: [&PathBuf; 2], console: &Console) -
     let sentence = pair_in_words(&shown, &paired, error_unit);
     let report = pair_report(&data, &second.0, (models, ["first model", "second model"]), &paired)?;
     let answer = PairAnswer { models: files, better, sentence, error_unit, paired };
-    let verdict = if better == Better::Second { Verdict::Better } else { Verdict::NotBetter };
-    let report =
-        StudyReport { verdict, sentence: answer.sentence.clone(), diagnosis: serde_json::to_value(&answer)?, ..report };
+    let conclusion = if better == Better::Second { Conclusion::Better } else { Conclusion::NotBetter };
+    let report = StudyReport {
+        conclusion,
+        sentence: answer.sentence.clone(),
+        diagnosis: serde_json::to_value(&answer)?,
+        ..report
+    };
     let write = |name: &str, text: String| {
         std::fs::write(folder.path().join(name), text).with_context(|| format!("{name}: cannot be written"))
     };

@@ -74,6 +74,7 @@ pub(super) fn run(args: &DiagnoseArgs, console: &Console) -> Result<()> {
         write_next_trial(next, folder.path())?.into_iter().for_each(|(what, text)| console.step(what, text));
     }
     describe(&summary, console);
+    data.free_nuisances();
     let input = ReportInput {
         scans: data.scans(),
         rows: data.rows(),
@@ -98,13 +99,10 @@ fn write(folder: &StagedFolder, name: &str, text: &str) -> Result<()> {
 }
 
 fn describe(summary: &DiagnosisSummary, console: &Console) {
-    let unit = summary.error_unit.symbol();
+    let unit = summary.error_unit;
     console.step("verdict", &summary.sentence);
-    for step in &summary.waterfall {
-        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
-        console.step("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um));
-    }
-    console.step("floor", format!("{:.2} {unit}", summary.noise_floor_um));
+    summary.waterfall.iter().for_each(|step| console.step("error", step.shown(unit)));
+    console.step("floor", unit.shown(summary.noise_floor));
     summary.suspects.iter().for_each(|suspect| console.step("suspect", suspect.shown()));
     summary.unfitted.iter().for_each(|one| console.step("", format!("{}: {}", one.name, one.reason)));
 }

@@ -143,7 +143,7 @@ fn first_answer(course: &mut StudyState, console: &Console) -> Result<()> {
     console.step("time", format!("the study may take {least:.0} to {most:.0} min"));
     let answer = course.first_answer()?;
     let record = &mut course.record;
-    console.step("first look", answer.words(record.noise_floor_um, record.error_unit.symbol()));
+    console.step("first look", answer.words(record.noise_floor, record.error_unit));
     record.first_answer = Some(answer);
     Ok(())
 }

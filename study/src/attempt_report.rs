@@ -6,9 +6,8 @@ use super::calibrated::plain_report;
 use super::ledger::Entry;
 use super::maps::Seen;
 use super::measurements::Data;
-use super::report_from_diagnosis::{correlations, parameter};
-use crate::{Misfit, Stated, StudyReport, Verdict, Waterfall, WaterfallStep};
-use lab::{Attempt, Better, ErrorUnit, Paired, Result, Simulated};
+use crate::{Conclusion, Misfit, StudyReport, Waterfall, WaterfallStep};
+use lab::{Attempt, Better, Paired, Result, Simulated, correlations};
 
 /// Names of the two models on the page.
 const NAMES: [&str; 2] = ["without it", "with it"];
@@ -21,9 +20,9 @@ pub fn attempt_report(data: &Data, attempt: &Attempt, entry: &Entry) -> Result<S
     let models = [&attempt.before.model, &attempt.with.model];
     let report = pair_report(data, &attempt.models[1], (models, NAMES), &entry.paired)?;
     Ok(StudyReport {
-        verdict: if entry.better == Better::Second { Verdict::Better } else { Verdict::NotBetter },
+        conclusion: if entry.better == Better::Second { Conclusion::Better } else { Conclusion::NotBetter },
         sentence: format!("{}: {}", entry.tried, entry.sentence()),
-        parameters: entry.parameters.iter().map(parameter).collect(),
+        parameters: entry.parameters.clone(),
         correlations: correlations(&attempt.with),
         diagnosis: serde_json::to_value(entry)?,
         ..report
@@ -45,20 +44,15 @@ pub fn pair_report(
     let simulated = data.scans().map(|(_, evidence)| Simulated::all(evidence, &models)).transpose()?;
     let seen = Seen::of(data, simulated.as_deref());
     let report = plain_report(data, model, seen.as_ref(), (waterfall(data, names, paired), 0))?;
-    Ok(StudyReport { verdict: Verdict::NotBetter, ..report })
+    Ok(StudyReport { conclusion: Conclusion::NotBetter, ..report })
 }
 
 /// Waterfall of the errors of both models and the noise floor.
 fn waterfall(data: &Data, names: [&str; 2], paired: &Paired) -> Waterfall {
-    let per_unit = data.evidence().unit().per_one();
-    let misfit = match data.evidence().unit() {
-        ErrorUnit::Micrometre => Misfit::heights(),
-        ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
-    };
     let step = |name: &str, calibration: f64, held_out: Option<f64>| WaterfallStep {
         name: name.to_owned(),
-        calibration: Some(calibration / per_unit),
-        evaluation: held_out.map(|rms| rms / per_unit),
+        calibration: Some(calibration),
+        evaluation: held_out,
         ..WaterfallStep::default()
     };
     let held_out = paired.held_out.as_ref();
@@ -69,5 +63,6 @@ fn waterfall(data: &Data, names: [&str; 2], paired: &Paired) -> Waterfall {
         ..step(names[k], paired.calibration.rms[k], held_out.map(|split| split.rms[k]))
     };
     let floor = step("noise floor", paired.calibration.noise_floor, held_out.map(|split| split.noise_floor));
+    let misfit = Misfit::of(data.evidence().unit());
     Waterfall { misfit, passes: Vec::new(), steps: vec![model(0), model(1), floor], notes: Vec::new() }
 }

@@ -4,14 +4,13 @@ use effects::{CompiledModel, Model};
 use lab::Result;
 use serde_json::Value;
 
+use super::failures;
 use super::maps::Seen;
 use super::measurements::Data;
 use super::provenance::provenance;
-use super::report_from_diagnosis::{compared, correlations, parameter, verdict, waterfall};
-use super::{failures, residual_tests};
-use crate::{Compared, PassVolume, StudyReport, Waterfall};
-use lab::Simulated;
-use lab::{BASE_STEP, Calibration, CalibrationSummary, Verdict, WaterfallStep};
+use super::report_from_diagnosis::{compared, waterfall};
+use crate::{Compared, Conclusion, PassVolume, StudyReport, Waterfall};
+use lab::{BASE_STEP, Calibration, CalibrationSummary, Simulated, Verdict, WaterfallStep};
 
 /// Input of a calibration report.
 pub struct CalibrationReport<'a> {
@@ -57,8 +56,11 @@ pub(super) fn bare_report(
         (None, Some(rows)) => failures::of_rows(rows, (base, with_effects), (degrees_of_freedom, seed))?,
         (None, None) => Default::default(),
     };
-    let tests = residual_tests::reported(&failures.tests);
-    Ok(StudyReport { tests, covariates, ..plain_report(data, model, seen.as_ref(), (waterfall, seed))? })
+    Ok(StudyReport {
+        tests: failures.tests,
+        covariates,
+        ..plain_report(data, model, seen.as_ref(), (waterfall, seed))?
+    })
 }
 
 /// Fills a report with the comparison, a waterfall, maps, sections and volumes, without tests, fits or findings.
@@ -73,7 +75,7 @@ pub(super) fn plain_report(
 ) -> Result<StudyReport> {
     Ok(StudyReport {
         compared: compared((model, data.scans()), data.folder(), &data.notes(), &[]),
-        verdict: super::Verdict::Calibrated,
+        conclusion: Conclusion::Calibrated,
         sentence: String::new(),
         tests: Vec::new(),
         waterfall,
@@ -82,8 +84,9 @@ pub(super) fn plain_report(
         sections: seen.map(Seen::sections).unwrap_or_default(),
         covariates: Vec::new(),
         suspects: Vec::new(),
+        unfitted: Vec::new(),
         parameters: Vec::new(),
-        correlations: None,
+        correlations: Vec::new(),
         detectable: Vec::new(),
         next_trial: None,
         proposal: None,
@@ -101,7 +104,7 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     let base = &calibration.steps[0].fit.model;
     let grown = (calibration.steps.len() > 1).then(|| &calibration.last().fit.model);
     let last = input.rival.or(grown);
-    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let floors = (summary.noise_floor, summary.evaluation_noise_floor);
     let falls = waterfall(input.waterfall, floors, summary.error_unit);
     let mut bare = bare_report(
         data,
@@ -113,10 +116,10 @@ pub fn calibration_report(input: &CalibrationReport) -> Result<StudyReport> {
     let notes = [bare.compared.notes.clone(), summary.remarks.clone()].concat();
     Ok(StudyReport {
         compared: Compared { notes, ..bare.compared },
-        verdict: input.verdict.map_or(super::Verdict::Calibrated, verdict),
+        conclusion: input.verdict.map_or(Conclusion::Calibrated, Conclusion::Searched),
         sentence: input.sentence.clone(),
-        parameters: summary.parameters.iter().map(parameter).collect(),
-        correlations: correlations(&calibration.last().fit),
+        parameters: summary.parameters.clone(),
+        correlations: summary.correlations.clone(),
         diagnosis: input.answer.clone(),
         ..bare
     })

@@ -40,7 +40,7 @@ impl CalibrationAnswer {
         model: PathBuf,
     ) -> Result<(Self, StudyReport)> {
         let summary = CalibrationSummary::new(data.evidence(), calibration, library)?;
-        data.fix_observation(&calibration.last().fit.model)?;
+        data.fix_nuisances(&calibration.last().fit.model)?;
         let answer = Self { model, notes: data.notes(), findings: data.findings(), summary };
         let report = calibration_report(&CalibrationReport {
             data,
@@ -59,18 +59,14 @@ impl CalibrationAnswer {
     /// Lines for the console, each with its label.
     pub fn described(&self) -> Vec<(&'static str, String)> {
         let summary = &self.summary;
-        let unit = summary.error_unit.symbol();
-        let error = |step: &WaterfallStep| {
-            let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", {rms:.2} {unit} held out"));
-            ("error", format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um))
-        };
+        let error = |step: &WaterfallStep| ("error", step.shown(summary.error_unit));
         let removed = |removal: &RemovalError| {
             let role = if removal.is_calibration { "" } else { ", held out" };
             let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
             ("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent))
         };
         let mut lines: Vec<(&'static str, String)> = summary.waterfall.iter().map(error).collect();
-        lines.push(("floor", format!("{:.2} {unit}", summary.noise_floor_um)));
+        lines.push(("floor", summary.error_unit.shown(summary.noise_floor)));
         lines.push(("χ²", format!("{:.0} at {} degrees of freedom", summary.chi2, summary.degrees_of_freedom)));
         lines.extend(summary.removal.iter().map(removed));
         lines.extend(summary.parameters.iter().map(|parameter| ("parameter", parameter.shown())));
@@ -80,12 +76,14 @@ impl CalibrationAnswer {
 
     /// Sentence on the ratio of the whole model's error to the noise floor.
     fn sentence(&self) -> String {
-        let unit = self.summary.error_unit.symbol();
-        let last = self.summary.waterfall.last().map_or(0.0, |step| step.calibration_rms_um);
-        let floor = self.summary.noise_floor_um;
+        let unit = self.summary.error_unit;
+        let last = self.summary.waterfall.last().map_or(0.0, |step| step.calibration_rms);
+        let floor = self.summary.noise_floor;
         format!(
-            "Calibrated: {last:.2} {unit} are left, {:.2} times the noise floor of {floor:.2} {unit}.",
-            last / floor
+            "Calibrated: {} are left, {:.2} times the noise floor of {}.",
+            unit.shown(last),
+            last / floor,
+            unit.shown(floor)
         )
     }
 }

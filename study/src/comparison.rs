@@ -15,11 +15,11 @@ use super::scan_figures::{ScanFigures, figures};
 use super::track::deepest;
 use super::waterfall::{Scans, Step};
 use super::{residual_tests, row_covariates, tile_covariates};
-use crate::{Compared, Direction, Misfit, ParameterEstimate, Stated, StudyReport, Verdict, Waterfall, WaterfallStep};
+use crate::{Compared, Conclusion, Direction, Misfit, Stated, StudyReport, Waterfall, WaterfallStep};
 use lab::Simulated;
 use lab::{
-    CovariateStudy, ErrorUnit, Evidence, NoiseSummary, PassTrend, RowEvidence, ScanEvidence, Split, StructureTest,
-    robust_sum,
+    CovariateStudy, ErrorUnit, Evidence, NoiseSummary, ParameterState, ParameterSummary, PassTrend, RowEvidence,
+    ScanEvidence, Split, StructureTest, robust_sum,
 };
 use trials::trial::{Campaign, Finding};
 
@@ -34,7 +34,7 @@ pub struct Comparison {
     pub notes: Vec<String>,
     /// Findings of the consistency checks between scans and logs; empty for a table.
     pub findings: Vec<Finding>,
-    /// Unit of the errors: `um`, or `percent` of the removal.
+    /// Unit of the errors: metres for scans, shares of the removal for tables.
     pub error_unit: ErrorUnit,
     /// Root mean square residual of the model.
     pub rms: f64,
@@ -91,12 +91,12 @@ pub fn compare_scans(
     let rms = |of: fn(&ScanFigures) -> f64| {
         (judged().map(|f| of(f).powi(2)).sum::<f64>() / judged().count().max(1) as f64).sqrt()
     };
-    let error = [rms(|figures| figures.rms_um), rms(|figures| figures.noise_floor_um)];
+    let error = [rms(|figures| 1e-6 * figures.rms_um), rms(|figures| 1e-6 * figures.noise_floor_um)];
     let equal_passes = evidence.trend(model)?;
     let notes = campaign.notes().into_iter().chain(evidence.noise_notes()).collect();
-    let removal = 1e6 * deepest(evidence, &simulated, split);
+    let removal = deepest(evidence, &simulated, split);
     let found = Found { equal_passes, tests, study, named: &tile_covariates::covariate, error, notes, removal };
-    let blur = Some(simulated.observation.blur * 1e6);
+    let blur = Some(simulated.nuisances.blur * 1e6);
     let comparison = Comparison {
         blur_um: blur,
         noise: NoiseSummary::all(evidence),
@@ -107,7 +107,7 @@ pub fn compare_scans(
     let alignments: Vec<_> = evidence.views.iter().map(|view| scans.alignment(view)).collect();
     let named = found.compared(model, asked.folder);
     let compared = compared_scans(campaign, evidence, &alignments, named);
-    let compared = Compared { blur: Some(simulated.observation.blur).filter(|blur| *blur > 0.0), ..compared };
+    let compared = Compared { blur: Some(simulated.nuisances.blur).filter(|blur| *blur > 0.0), ..compared };
     let report = StudyReport {
         waterfall,
         volumes: seen.volumes(),
@@ -131,9 +131,9 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
     let rms = |residuals: &[f64]| evidence.noise * (robust_sum(residuals) / residuals.len().max(1) as f64).sqrt();
     let named = |at: usize| row_covariates::covariate(evidence, at);
     let equal_passes = evidence.trend(model)?;
-    let error = [100.0 * rms(&residuals), 100.0 * evidence.noise];
+    let error = [rms(&residuals), evidence.noise];
     let notes = evidence.table.notes.iter().chain(&evidence.notes).cloned().collect();
-    let found = Found { equal_passes, tests, study, named: &named, error, notes, removal: 100.0 };
+    let found = Found { equal_passes, tests, study, named: &named, error, notes, removal: 1.0 };
     let outlier_lines = evidence.outliers(&residuals, split).iter().map(|row| row.line).collect();
     let comparison = Comparison { outlier_lines, ..found.comparison(evidence.unit(), split) };
     let held_out = evidence.residuals(model, Split::Evaluation)?;
@@ -143,12 +143,11 @@ pub fn compare_rows(evidence: &RowEvidence, model: &CompiledModel, asked: &Asked
         evaluation: (!held_out.is_empty()).then_some(evaluation),
         ..WaterfallStep::default()
     };
-    let misfit = Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) };
     let steps =
         vec![step("model", rms(&residuals), rms(&held_out)), step("noise floor", evidence.noise, evidence.noise)];
     let compared = found.compared(model, asked.folder);
     let report = StudyReport {
-        waterfall: Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() },
+        waterfall: Waterfall { misfit: Misfit::of(evidence.unit()), passes: Vec::new(), steps, notes: Vec::new() },
         ..found.report(&comparison, compared, (model, asked))?
     };
     Ok((comparison, report))
@@ -160,11 +159,11 @@ struct Found<'a> {
     tests: Vec<StructureTest>,
     study: CovariateStudy,
     named: &'a dyn Fn(usize) -> (String, Stated),
-    /// Root mean square residual and noise floor, in the unit of errors.
+    /// Root mean square residual and noise floor [unit of errors].
     error: [f64; 2],
     /// Notes on how the input files were interpreted.
     notes: Vec<String>,
-    /// Mean removal, in the unit of errors; infinite if it cannot be expressed in it.
+    /// Mean removal [unit of errors]; infinite if it cannot be expressed in it.
     removal: f64,
 }
 
@@ -184,13 +183,13 @@ impl Found<'_> {
         let depends = failures.covariates.iter().any(|covariate| covariate.p_value_of_all <= level);
         let hidden = floor >= self.removal;
         let agrees = !self.tests.iter().any(|test| test.rejects) && !depends && !hidden;
-        let errors = format!("{rms:.2} {} where noise alone leaves {floor:.2} {}", unit.symbol(), unit.symbol());
+        let errors = format!("{} where noise alone leaves {}", unit.shown(rms), unit.shown(floor));
         let beyond = self.equal_passes.as_ref().filter(|trend| trend.out_of_reach);
         let beyond = beyond.map_or(String::new(), |trend| format!(" {}", trend.sentence()));
         let is_near = !agrees && rms <= NEAR_FLOOR_RATIO * floor;
         let near = if is_near { " The error is near the noise, but what is left has structure." } else { "" };
         let is_significant = |covariate: &&CovariateFigures| covariate.p_value_of_all <= SIGNIFICANCE_LEVEL;
-        let removal = format!("{:.2} {}", self.removal, unit.symbol());
+        let removal = unit.shown(self.removal);
         let sentence = match (agrees, failures.covariates.iter().find(is_significant)) {
             _ if hidden => format!(
                 "The model leaves {errors}, and all that was removed is {removal}: noise hides it, and nothing can be said. Is [scan] \
@@ -232,9 +231,9 @@ impl Found<'_> {
     ) -> Result<StudyReport> {
         Ok(StudyReport {
             compared,
-            verdict: if comparison.agrees { Verdict::Agrees } else { Verdict::Differs },
+            conclusion: if comparison.agrees { Conclusion::Agrees } else { Conclusion::Differs },
             sentence: comparison.sentence.clone(),
-            tests: residual_tests::reported(&self.tests),
+            tests: self.tests.clone(),
             waterfall: Waterfall {
                 misfit: Misfit::heights(),
                 passes: Vec::new(),
@@ -246,8 +245,9 @@ impl Found<'_> {
             sections: Vec::new(),
             covariates: plots(&self.study, None, self.named),
             suspects: Vec::new(),
+            unfitted: Vec::new(),
             parameters: parameters(model),
-            correlations: None,
+            correlations: Vec::new(),
             detectable: Vec::new(),
             next_trial: None,
             proposal: None,
@@ -263,15 +263,14 @@ fn model_words(model: &CompiledModel) -> String {
 }
 
 /// Values of the model's parameters; none was fitted.
-fn parameters(model: &CompiledModel) -> Vec<ParameterEstimate> {
-    let one = |(slot, value): (&effects::ParameterSlot, &f64)| ParameterEstimate {
+fn parameters(model: &CompiledModel) -> Vec<ParameterSummary> {
+    let one = |(slot, value): (&effects::ParameterSlot, &f64)| ParameterSummary {
         name: slot.name(),
-        unit: Stated::new(&slot.unit_text, 1.0),
+        unit: slot.unit_text.clone(),
         value: slot.unit.from_si(*value),
         interval: None,
-        on_bound: false,
-        identifiable: true,
-        fixed: true,
+        state: ParameterState::Fixed,
+        listed_to: None,
     };
     model.parameters().iter().zip(model.values()).map(one).collect()
 }
@@ -293,7 +292,7 @@ mod tests {
             notes: Vec::new(),
             removal: 10.0,
         };
-        found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+        found.comparison(ErrorUnit::Metre, Split::Calibration)
     }
 
     /// Comparison without a test that rejects, with a covariate of this p-value and with this removal.
@@ -309,7 +308,7 @@ mod tests {
             notes: Vec::new(),
             removal,
         };
-        found.comparison(ErrorUnit::Micrometre, Split::Calibration)
+        found.comparison(ErrorUnit::Metre, Split::Calibration)
     }
 
     #[test]

@@ -4,10 +4,8 @@ use effects::Library;
 use lab::Result;
 
 use super::measurements::Data;
-use lab::{
-    Diagnosis, DiagnosisSummary, Proposal, Verdict, propose, separating_row, separating_trial, testing_row,
-    testing_trial,
-};
+use experiments::{live_hypotheses, separating_row, separating_trial, testing_row, testing_trial};
+use lab::{Diagnosis, DiagnosisSummary, Proposal, Verdict, propose};
 
 /// Summarises a diagnosis. If several hypotheses are still in play, it proposes the most informative trial. If only the
 /// effect that was found is left, but the base law cannot reproduce the trend of equal passes, it proposes a trial that
@@ -18,14 +16,14 @@ use lab::{
 pub fn summary(data: &mut Data, diagnosis: &Diagnosis, library: &Library) -> Result<DiagnosisSummary> {
     let title = |name: &str| library.find(name).map_or(String::new(), |effect| effect.title.clone());
     let mut summary = DiagnosisSummary::new(data.evidence(), diagnosis, &title)?;
-    data.fix_observation(&diagnosis.fit.model)?;
+    data.fix_nuisances(&diagnosis.fit.model)?;
     let is_beyond_the_law = summary.equal_passes.as_ref().is_some_and(|trend| trend.out_of_reach);
     let is_identified = diagnosis.verdict == Verdict::Identified;
     if is_identified && !is_beyond_the_law {
         return Ok(summary);
     }
     summary.next_trial = match (data.scans(), data.rows()) {
-        (Some((_, evidence)), _) if diagnosis.live_hypotheses().is_some() => separating_trial(evidence, diagnosis)?,
+        (Some((_, evidence)), _) if live_hypotheses(diagnosis).is_some() => separating_trial(evidence, diagnosis)?,
         (None, Some(rows)) if diagnosis.rivals().is_some() => separating_row(rows, diagnosis)?,
         (Some((_, evidence)), _) if is_beyond_the_law => testing_trial(evidence, diagnosis)?,
         (None, Some(rows)) if is_beyond_the_law => testing_row(rows, diagnosis)?,

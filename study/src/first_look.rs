@@ -4,7 +4,7 @@ use super::measurements::Data;
 use super::study_state::StudyState;
 use super::{row_covariates, tile_covariates};
 use lab::criteria::SIGNIFICANCE_LEVEL;
-use lab::{CovariateStudy, FirstLook, Promise, Result, Simulated, Split};
+use lab::{CovariateStudy, ErrorUnit, FirstLook, Promise, Result, Simulated, Split};
 use serde::{Deserialize, Serialize};
 
 /// Expected least and greatest number of simulations of the calibration data in a study: a guess, not calibrated [1].
@@ -13,7 +13,7 @@ pub const EXPECTED_SIMULATIONS: [f64; 2] = [600.0, 3000.0];
 /// The first answer.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FirstAnswer {
-    /// Root mean square residual of the roughly fitted law, in the unit of errors.
+    /// Root mean square residual of the roughly fitted law [unit of errors].
     pub rms: f64,
     /// The covariate that explains most of its error, and the share of the excess that it explains alone; absent if
     /// none is significant.
@@ -65,9 +65,8 @@ impl StudyState<'_> {
 impl FirstAnswer {
     /// The answer in words.
     ///
-    /// - `floor`: noise floor, in the unit of errors
-    /// - `unit`: symbol of that unit
-    pub fn words(&self, floor: f64, unit: &str) -> String {
+    /// - `floor`: noise floor [unit of errors]
+    pub fn words(&self, floor: f64, unit: ErrorUnit) -> String {
         let depends = self.depends_on.as_ref().map_or(
             "its error depends significantly on no covariate".to_owned(),
             |(name, share)| {
@@ -81,9 +80,10 @@ impl FirstAnswer {
             self.promises.iter().map(|one| format!("{} ({:.0} %)", one.name, 100.0 * one.share)).collect();
         let suspects = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
         format!(
-            "the law, roughly fitted, leaves {:.2} {unit}, noise alone {floor:.2} {unit}; {depends}\nleading suspects, \
+            "the law, roughly fitted, leaves {}, noise alone {}; {depends}\nleading suspects, \
              by the share of χ² that each is predicted to explain; none is fitted yet: {suspects}",
-            self.rms
+            unit.shown(self.rms),
+            unit.shown(floor)
         )
     }
 }

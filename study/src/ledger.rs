@@ -270,11 +270,11 @@ impl Entry {
 
     /// Lines for the console, each with its label.
     pub fn described(&self) -> Vec<(&'static str, String)> {
-        let unit = self.error_unit.symbol();
+        let unit = self.error_unit;
         let error = |k: usize| {
             let held_out = self.paired.held_out.as_ref();
-            let held_out = held_out.map_or(String::new(), |split| format!(", {:.2} {unit} held out", split.rms[k]));
-            format!("{:.2} {unit}{held_out}", self.paired.calibration.rms[k])
+            let held_out = held_out.map_or(String::new(), |split| format!(", {} held out", unit.shown(split.rms[k])));
+            format!("{}{held_out}", unit.shown(self.paired.calibration.rms[k]))
         };
         let fit = format!(
             "Δχ² {:.0} for {} parameters; whole passes left out: predicted better by {:.0} nats",
@@ -290,7 +290,8 @@ impl Entry {
 
     /// Formats the attempt in one line.
     pub fn line(&self) -> String {
-        let (split, unit) = (self.paired.deciding(), self.error_unit.symbol());
+        let split = self.paired.deciding();
+        let [before, after] = split.rms.map(|rms| self.error_unit.shown(rms));
         let verdict = match self.better {
             Better::Second => "better",
             Better::First => "worse",
@@ -298,8 +299,8 @@ impl Entry {
         };
         let kept = if self.kept { ", kept" } else { "" };
         format!(
-            "beside {}: {verdict}{kept}, {:.2} to {:.2} {unit}, Δχ² {:.0}: {}",
-            self.beside, split.rms[0], split.rms[1], split.delta_chi2, self.tried
+            "beside {}: {verdict}{kept}, {before} to {after}, Δχ² {:.0}: {}",
+            self.beside, split.delta_chi2, self.tried
         )
     }
 
@@ -326,12 +327,12 @@ pub fn pair_in_words([first, second]: &[String; 2], paired: &Paired, error_unit:
 
 /// Errors of two models in the data that decide, in words.
 fn errors_in_words(paired: &Paired, error_unit: ErrorUnit) -> String {
-    let (split, unit) = (paired.deciding(), error_unit.symbol());
+    let split = paired.deciding();
     let which = if paired.held_out.is_some() { "held out" } else { "in the data that were fitted" };
-    let ([before, after], floor) = (split.rms, split.noise_floor);
+    let [before, after, floor] = [split.rms[0], split.rms[1], split.noise_floor].map(|error| error_unit.shown(error));
     let sigma = split.sigma.map_or(String::new(), |sigma| format!(" ± {sigma:.0}"));
     format!(
-        "{before:.2}, then {after:.2} {unit} {which}, noise {floor:.2} {unit}; Δχ² {:.0}{sigma}, better in {} of {} blocks",
+        "{before}, then {after} {which}, noise {floor}; Δχ² {:.0}{sigma}, better in {} of {} blocks",
         split.delta_chi2, split.blocks[1], split.blocks[0]
     )
 }

@@ -28,7 +28,6 @@ mod ledger;
 mod maps;
 mod measurements;
 mod next_trial_files;
-mod next_trial_report;
 mod progress;
 mod proposal_files;
 mod proposal_step;
@@ -52,10 +51,7 @@ pub use calibrated::{CalibrationReport, calibration_report};
 pub use calibration_answer::{CALIBRATION_FILE, CalibrationAnswer};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
-pub use data::{
-    Compared, Correlations, Detectable, Digest, MenuRow, NextTrial, ParameterEstimate, Provenance, Stated, StudyReport,
-    Suspect, TestOfMissing, Verdict,
-};
+pub use data::{Compared, Conclusion, Digest, Provenance, Stated, StudyReport};
 pub use failures::{CovariateFigures, Failures};
 pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
 pub use hypothesis::Hypothesis;

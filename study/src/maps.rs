@@ -4,7 +4,7 @@ use super::measurements::Data;
 use super::track::{Ground, Volume, line_of};
 use crate::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
 use lab::Simulated;
-use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
+use lab::{ExposureView, HeightView, ScanEvidence, ScanView, Split};
 use trials::trial::Role;
 
 /// Default sections across, as shares of the map's length.
@@ -69,22 +69,25 @@ impl Seen<'_> {
     /// Comparison of all scans with both models.
     pub fn scans(&self) -> Vec<ScanComparison> {
         let compare = |view: &ScanView| {
-            let maps = match &view.data {
-                ScanData::Heights(data) => Maps::Heights(self.heights(view, data)?),
-                ScanData::Exposure(data) => Maps::Exposure(ExposureMaps {
-                    pixels: data.measured.pixels,
-                    measured: data.measured.exposed.clone(),
-                    base: self.base.exposed(view),
-                    with_effect: self.found.map(|found| found.exposed(view)),
-                }),
-            };
+            let heights = || Some(Maps::Heights(self.heights(view, view.data.as_heights()?)?));
+            let exposure = || Some(Maps::Exposure(self.exposure(view, view.data.as_exposure()?)));
+            let maps = heights().or_else(exposure)?;
             Some(ScanComparison { pass: name(self.evidence, view), role: role(view), maps })
         };
         self.evidence.views.iter().filter_map(compare).collect()
     }
 
+    fn exposure(&self, view: &ScanView, data: &ExposureView) -> ExposureMaps {
+        ExposureMaps {
+            pixels: data.measured.pixels,
+            measured: data.measured.exposed.clone(),
+            base: self.base.exposed(view),
+            with_effect: self.found.map(|found| found.exposed(view)),
+        }
+    }
+
     fn heights(&self, view: &ScanView, data: &HeightView) -> Option<HeightMaps> {
-        let left = |simulated: &Simulated| Some(Ground::new(self.evidence, view, simulated)?.left);
+        let left = |simulated: &Simulated| Some(Ground::new(view, simulated)?.left);
         let mut judged = vec![false; data.measured.heights.len()];
         data.judged.pixels().for_each(|(_, at)| judged[at] = true);
         Some(HeightMaps {
@@ -108,8 +111,8 @@ impl Seen<'_> {
     }
 
     fn sections_of(&self, view: &ScanView) -> Option<Vec<ScanSection>> {
-        let ground = Ground::new(self.evidence, view, self.base)?;
-        let found = self.found.and_then(|found| found.heights(self.evidence, view));
+        let ground = Ground::new(view, self.base)?;
+        let found = self.found.and_then(|found| found.heights(view));
         let (pixels, levelled) = (ground.seen.pixels, ground.levelled());
         let section = |&direction: &Direction| {
             let line = line_of(pixels, direction);
@@ -133,9 +136,7 @@ impl Seen<'_> {
     /// Volume that each pass removed.
     pub fn volumes(&self) -> Vec<PassVolume> {
         let volume = |view: &ScanView| {
-            let of = |simulated: &Simulated| {
-                pass_volume(self.evidence, view, &|view| Ground::new(self.evidence, view, simulated))
-            };
+            let of = |simulated: &Simulated| pass_volume(self.evidence, view, &|view| Ground::new(view, simulated));
             let (base, found) = (of(self.base)?, self.found.and_then(of));
             Some(PassVolume {
                 pass: name(self.evidence, view),

@@ -209,15 +209,15 @@ impl<'a> Data<'a> {
     ///
     /// # Errors
     /// If the model cannot be simulated.
-    pub fn fix_observation(&mut self, model: &CompiledModel) -> Result<()> {
+    pub fn fix_nuisances(&mut self, model: &CompiledModel) -> Result<()> {
         let Self::Scans(_, evidence) = self else { return Ok(()) };
-        Ok(evidence.fix_observation(model)?)
+        Ok(evidence.fix_nuisances(model)?)
     }
 
     /// Lets every model determine its own observation again, as fits do.
-    pub fn free_observation(&mut self) {
+    pub fn free_nuisances(&mut self) {
         if let Self::Scans(_, evidence) = self {
-            evidence.observation = None;
+            evidence.nuisances = None;
         }
     }
 }

@@ -33,13 +33,13 @@ pub fn write_proposal(proposal: &Proposal, folder: &Path) -> io::Result<Vec<(&'s
 
 /// Sentence on the fall of the error, and on the next step.
 fn errors(proposal: &Proposal) -> String {
-    let error = |step: &WaterfallStep| format!("{:.2}", step.evaluation_rms_um.unwrap_or(step.calibration_rms_um));
-    let which = if proposal.errors[0].evaluation_rms_um.is_some() { "held-out error" } else { "error" };
+    let unit = proposal.error_unit;
+    let error = |step: &WaterfallStep| unit.shown(step.evaluation_rms.unwrap_or(step.calibration_rms));
+    let which = if proposal.errors[0].evaluation_rms.is_some() { "held-out error" } else { "error" };
     let errors: Vec<String> = proposal.errors.iter().map(error).collect();
     format!(
-        "{which} {} {}; give it a name and a cause, and continue with --model {MODEL_WITH_PROPOSAL} \
+        "{which} {}; give it a name and a cause, and continue with --model {MODEL_WITH_PROPOSAL} \
          --effects {PROPOSED_EFFECTS}",
-        errors.join(", then "),
-        proposal.error_unit.symbol()
+        errors.join(", then ")
     )
 }

@@ -5,7 +5,6 @@ use lab::Proposal;
 
 /// Inserts the error with each proposed effect between the last model and the noise floor.
 pub(super) fn add_proposal(waterfall: &mut Waterfall, proposal: &Proposal) {
-    let one = 1.0 / proposal.error_unit.per_one();
     let Some(floor) = waterfall.steps.pop() else { return };
     let least = floor.calibration.unwrap_or(0.0);
     let excess = |rms: f64| (rms * rms - least * least).max(0.0);
@@ -13,9 +12,9 @@ pub(super) fn add_proposal(waterfall: &mut Waterfall, proposal: &Proposal) {
     let whole = base.or(waterfall.steps.last()).and_then(|step| step.calibration).map_or(0.0, excess);
     let step = |error: &lab::WaterfallStep| WaterfallStep {
         name: format!("{} (proposed)", error.step),
-        calibration: Some(error.calibration_rms_um * one),
-        evaluation: error.evaluation_rms_um.map(|rms| rms * one),
-        unexplained: (whole > 0.0).then(|| excess(error.calibration_rms_um * one) / whole),
+        calibration: Some(error.calibration_rms),
+        evaluation: error.evaluation_rms,
+        unexplained: (whole > 0.0).then(|| excess(error.calibration_rms) / whole),
         ..WaterfallStep::default()
     };
     waterfall.steps.extend(proposal.errors.iter().skip(1).map(step));
@@ -40,16 +39,16 @@ mod tests {
         let mut waterfall = Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps, notes: Vec::new() };
         let error = |step: &str, rms: f64| lab::WaterfallStep {
             step: step.to_owned(),
-            calibration_rms_um: rms,
-            evaluation_rms_um: Some(2.0 * rms),
+            calibration_rms: rms,
+            evaluation_rms: Some(2.0 * rms),
         };
         let proposal = Proposal {
             forms: Vec::new(),
             files: Vec::new(),
             model: String::new(),
             parameters: Vec::new(),
-            error_unit: ErrorUnit::Micrometre,
-            errors: vec![error("without it", 5.0), error("+ form", 13.0f64.sqrt())],
+            error_unit: ErrorUnit::Metre,
+            errors: vec![error("without it", 5e-6), error("+ form", 1e-6 * 13.0f64.sqrt())],
             delta_chi2: 1.0,
         };
         add_proposal(&mut waterfall, &proposal);

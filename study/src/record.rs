@@ -17,7 +17,7 @@ use lab::{ErrorUnit, FrameEstimate, LabError, Result, Searched, Verdict, Waterfa
 /// File that marks the folder of a study.
 pub const STUDY_FILE: &str = "study.json";
 /// Format of that file.
-pub const STUDY_FORMAT: &str = "robofin-study/1";
+pub const STUDY_FORMAT: &str = "robofin-study/2";
 
 /// A step of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,13 +88,13 @@ pub struct StudyRecord {
     /// The first model and that with each added effect, compared with all data.
     #[serde(default)]
     pub searched: Vec<Searched>,
-    /// Unit of the errors below: `um` for scans, `percent` of the removal for tables.
+    /// Unit of the errors below: metres for scans, shares of the removal for tables.
     pub error_unit: ErrorUnit,
-    /// Noise floor of the calibration passes [µm].
-    pub noise_floor_um: f64,
-    /// Noise floor of the evaluation passes [µm]; absent where none is held out.
+    /// Noise floor of the calibration passes.
+    pub noise_floor: f64,
+    /// Noise floor of the evaluation passes; absent where none is held out.
     #[serde(default)]
-    pub evaluation_noise_floor_um: Option<f64>,
+    pub evaluation_noise_floor: Option<f64>,
     /// Notes on ambiguous input files and how they were interpreted, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -152,8 +152,8 @@ impl StudyRecord {
             added: Vec::new(),
             searched: Vec::new(),
             error_unit: ErrorUnit::default(),
-            noise_floor_um: 0.0,
-            evaluation_noise_floor_um: None,
+            noise_floor: 0.0,
+            evaluation_noise_floor: None,
             notes: Vec::new(),
             findings: Vec::new(),
             first_answer: None,
@@ -188,15 +188,8 @@ impl StudyRecord {
         }
     }
 
-    /// Noise floors of calibration and evaluation passes, in the report's form.
+    /// Noise floors of calibration and evaluation passes.
     pub(super) fn floors(&self) -> (f64, Option<f64>) {
-        (self.noise_floor_um, self.evaluation_noise_floor_um)
-    }
-
-    /// Formats an error in its unit, with the held-out one.
-    pub(super) fn shown(&self, step: &WaterfallStep) -> String {
-        let unit = self.error_unit.symbol();
-        let held_out = step.evaluation_rms_um.map_or(String::new(), |rms| format!(", held out {rms:.2} {unit}"));
-        format!("{}: {:.2} {unit}{held_out}", step.step, step.calibration_rms_um)
+        (self.noise_floor, self.evaluation_noise_floor)
     }
 }

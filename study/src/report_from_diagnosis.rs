@@ -8,17 +8,13 @@ use serde::Serialize;
 
 use super::failures::{self, Failures};
 use super::maps::{self, Seen};
-use super::next_trial_report::next_trial;
 use super::proposal_step::add_proposal;
 use super::provenance::provenance;
-use super::residual_tests;
 use super::shapley::overlap;
 use super::waterfall::{Scans, Step};
-use crate::{Compared, ComparedPass, Misfit, Stated, StudyReport, Waterfall, WaterfallStep};
-use lab::Simulated;
+use crate::{Compared, ComparedPass, Conclusion, Misfit, StudyReport, Waterfall, WaterfallStep};
 use lab::{
-    BASE_STEP, Diagnosis, DiagnosisSummary, EffectSummary, ErrorUnit, Fit, ParameterState, ParameterSummary,
-    RowEvidence, ScanEvidence, ScanView, Sides, Unfitted, Verdict,
+    BASE_STEP, Diagnosis, DiagnosisSummary, ErrorUnit, RowEvidence, ScanEvidence, ScanView, Simulated, correlations,
 };
 use robot::Tool;
 use trials::measure::Registration;
@@ -77,26 +73,28 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         (None, Some(rows)) => of_rows(input, rows)?,
         (None, None) => Filled::default(),
     };
-    let floors = (summary.noise_floor_um, summary.evaluation_noise_floor_um);
+    let floors = (summary.noise_floor, summary.evaluation_noise_floor);
     let mut waterfall =
         filled.waterfall.unwrap_or_else(|| self::waterfall(&summary.waterfall, floors, summary.error_unit));
     waterfall.notes.extend(overlap(diagnosis, summary));
     summary.proposal.iter().for_each(|proposal| add_proposal(&mut waterfall, proposal));
+    let compared = compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments);
     Ok(StudyReport {
-        compared: compared((&diagnosis.model, input.scans), input.folder, &input.notes, &filled.alignments),
-        verdict: verdict(summary.verdict),
+        compared: Compared { blur: filled.blur, ..compared },
+        conclusion: Conclusion::Searched(summary.verdict),
         sentence: summary.sentence.clone(),
-        tests: residual_tests::reported(&filled.failures.tests),
+        tests: filled.failures.tests.clone(),
         waterfall,
         volumes: filled.volumes,
         scans: filled.scans,
         sections: filled.sections,
         covariates: filled.covariates,
-        suspects: suspects(&summary.suspects, &summary.unfitted, summary.error_unit),
-        parameters: summary.parameters.iter().map(parameter).collect(),
+        suspects: summary.suspects.clone(),
+        unfitted: summary.unfitted.clone(),
+        parameters: summary.parameters.clone(),
         correlations: correlations(&diagnosis.fit),
-        detectable: summary.detectable.iter().map(detectable).collect(),
-        next_trial: summary.next_trial.as_ref().map(next_trial),
+        detectable: summary.detectable.clone(),
+        next_trial: summary.next_trial.clone(),
         proposal: input.summary.proposal.clone(),
         provenance: provenance(input.folder, input.seed)?,
         diagnosis: serde_json::to_value(Answer {
@@ -113,6 +111,8 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
 struct Filled {
     failures: Failures,
     waterfall: Option<Waterfall>,
+    /// Standard deviation of the instrument's blur, as the last model determines it [m].
+    blur: Option<f64>,
     alignments: Vec<Option<Registration>>,
     volumes: Vec<super::PassVolume>,
     scans: Vec<super::ScanComparison>,
@@ -139,6 +139,7 @@ fn of_scans(input: &ReportInput, evidence: &ScanEvidence) -> Result<Filled> {
     Ok(Filled {
         failures,
         waterfall: Some(scans.waterfall(&simulated[0], &steps)),
+        blur: Some(last.unwrap_or(base).nuisances.blur).filter(|blur| *blur > 0.0),
         alignments: evidence.views.iter().map(|view| scans.alignment(view)).collect(),
         volumes: seen.volumes(),
         scans: seen.scans(),
@@ -162,18 +163,6 @@ fn start_of(base: &CompiledModel) -> CompiledModel {
         start.set(index, slot.default);
     }
     start
-}
-
-pub(super) fn verdict(verdict: Verdict) -> super::Verdict {
-    match verdict {
-        Verdict::Identified => super::Verdict::Identified,
-        Verdict::Ambiguous => super::Verdict::Ambiguous,
-        Verdict::Partly => super::Verdict::Partly,
-        Verdict::Unknown => super::Verdict::Unknown,
-        Verdict::Hint => super::Verdict::Hint,
-        Verdict::NothingMissing => super::Verdict::NothingMissing,
-        Verdict::NotTestable => super::Verdict::NotTestable,
-    }
 }
 
 /// The compared model and measurements: scans of a campaign, or rows.
@@ -227,7 +216,7 @@ pub(super) fn compared_scans(
         passes: evidence.views.iter().enumerate().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
         voxel: evidence.simulation.trials.first().map(|simulation| simulation.part.voxel),
-        blur: evidence.observation.map(|observation| observation.blur).filter(|blur| *blur > 0.0),
+        blur: evidence.nuisances.map(|nuisances| nuisances.blur).filter(|blur| *blur > 0.0),
         method: METHOD.map(str::to_owned).to_vec(),
         ..named
     }
@@ -240,116 +229,22 @@ pub(super) fn waterfall(
     (floor, held_out): (f64, Option<f64>),
     unit: ErrorUnit,
 ) -> Waterfall {
-    let one = 1.0 / unit.per_one();
     let excess = |rms: f64| (rms * rms - floor * floor).max(0.0);
     let base = steps.iter().position(|step| step.step == BASE_STEP).unwrap_or(0);
-    let whole = steps.get(base).map_or(0.0, |step| excess(step.calibration_rms_um));
+    let whole = steps.get(base).map_or(0.0, |step| excess(step.calibration_rms));
     let step = |(k, step): (usize, &lab::WaterfallStep)| WaterfallStep {
         name: step.step.clone(),
-        calibration: Some(step.calibration_rms_um * one),
-        evaluation: step.evaluation_rms_um.map(|rms| rms * one),
-        unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms_um) / whole),
+        calibration: Some(step.calibration_rms),
+        evaluation: step.evaluation_rms,
+        unexplained: (k >= base && whole > 0.0).then(|| excess(step.calibration_rms) / whole),
         ..WaterfallStep::default()
     };
     let last = WaterfallStep {
         name: "noise floor".to_owned(),
-        calibration: Some(floor * one),
-        evaluation: held_out.map(|floor| floor * one),
+        calibration: Some(floor),
+        evaluation: held_out,
         ..WaterfallStep::default()
     };
-    let misfit = match unit {
-        ErrorUnit::Micrometre => Misfit::heights(),
-        ErrorUnit::Percent => Misfit { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
-    };
     let steps = steps.iter().enumerate().map(step).chain([last]).collect();
-    Waterfall { misfit, passes: Vec::new(), steps, notes: Vec::new() }
-}
-
-/// Fitted effects, by search and in descending order of probability, each with the reason for or against it; then the
-/// others, with the reason.
-pub(super) fn suspects(fitted: &[EffectSummary], unfitted: &[Unfitted], unit: ErrorUnit) -> Vec<super::Suspect> {
-    let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
-    let of_search = fitted.chunk_by(|a, b| a.search == b.search);
-    let of_search = of_search.flat_map(|search| search.iter().enumerate());
-    let of_search = of_search.map(|(rank, one)| suspect(one, unit, (rank, searches)));
-    of_search.chain(unfitted.iter().map(|one| unweighed(one, searches))).collect()
-}
-
-fn unweighed(one: &Unfitted, searches: usize) -> super::Suspect {
-    super::Suspect {
-        name: one.name.clone(),
-        title: one.title.clone(),
-        probability: 0.0,
-        delta_chi2: None,
-        evaluation_before: None,
-        evaluation_after: None,
-        look_alikes: Vec::new(),
-        note: format!("{}Out: {}.", search_words(one.search, searches), one.reason),
-    }
-}
-
-fn search_words(search: usize, searches: usize) -> String {
-    if searches > 1 { format!("Search {search} of {searches}. ") } else { String::new() }
-}
-
-fn suspect(suspect: &EffectSummary, unit: ErrorUnit, (rank, searches): (usize, usize)) -> super::Suspect {
-    let one = 1.0 / unit.per_one();
-    let reason = match (&suspect.ruled_out, &suspect.indistinguishable_from[..]) {
-        (Some(reason), _) => format!("Out: {reason}."),
-        (None, []) if rank == 0 => "In: the most probable one.".to_owned(),
-        (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
-        (None, alike) => {
-            format!("In: the most probable one, which these data cannot distinguish from {}.", alike.join(", "))
-        }
-    };
-    super::Suspect {
-        name: suspect.name.clone(),
-        title: suspect.title.clone(),
-        probability: suspect.probability,
-        delta_chi2: Some(suspect.delta_chi2),
-        evaluation_before: suspect.evaluation_rms_um_before.map(|rms| rms * one),
-        evaluation_after: suspect.evaluation_rms_um_after.map(|rms| rms * one),
-        look_alikes: suspect.indistinguishable_from.clone(),
-        note: search_words(suspect.search, searches) + &reason,
-    }
-}
-
-pub(super) fn parameter(parameter: &ParameterSummary) -> super::ParameterEstimate {
-    super::ParameterEstimate {
-        name: parameter.name.clone(),
-        unit: Stated::new(&parameter.unit, 1.0),
-        value: parameter.value,
-        interval: parameter.interval,
-        on_bound: matches!(parameter.state, ParameterState::OnLeast | ParameterState::OnGreatest),
-        identifiable: parameter.state != ParameterState::NotIdentifiable,
-        fixed: false,
-    }
-}
-
-pub(super) fn correlations(fit: &Fit) -> Option<super::Correlations> {
-    let covariance = fit.covariance(1.0)?;
-    let count = covariance.nrows();
-    let names = fit.coordinates.iter().map(|c| c.slot.name()).collect();
-    let value = |k: usize| {
-        let (i, j) = (k / count, k % count);
-        covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt()
-    };
-    (count > 1).then(|| super::Correlations { names, values: (0..count * count).map(value).collect() })
-}
-
-pub(super) fn detectable(detectable: &lab::Detectable) -> super::Detectable {
-    super::Detectable {
-        name: detectable.effect.clone(),
-        parameter: detectable.parameter.clone(),
-        unit: Stated::new(&detectable.unit, 1.0),
-        size: detectable.size,
-        typical: None,
-        map_rms: None,
-        note: match (detectable.testable, detectable.sides) {
-            (false, _) => "not testable with these passes".to_owned(),
-            (true, Sides::All) => String::new(),
-            (true, Sides::Above) => "only above its null".to_owned(),
-            (true, Sides::Below) => "only below its null".to_owned(),
-        },
-    }
+    Waterfall { misfit: Misfit::of(unit), passes: Vec::new(), steps, notes: Vec::new() }
 }

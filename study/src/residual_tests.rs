@@ -1,10 +1,9 @@
 //! Tests of structure in the residuals of scans, or of a table's rows.
 
-use crate::TestOfMissing;
 use lab::Simulated;
 use lab::criteria::SHARED_NOISE_MOST;
 use lab::{
-    HeightView, ResidualGrid, ScanData, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, holm,
+    HeightView, Observation, ResidualGrid, ScanEvidence, ScanView, SharedTiles, Split, StructureTest, holm,
     structure_tests,
 };
 
@@ -19,17 +18,13 @@ pub fn of_scans(
 ) -> Vec<StructureTest> {
     let views: Vec<&ScanView> = evidence.of(split).collect();
     let grid = |view: &&ScanView| {
-        let residuals = match &view.data {
-            ScanData::Heights(data) => data.whitened(&simulated.heights(evidence, view)?),
-            ScanData::Exposure(data) => data.whitened(&simulated.margin(view)),
-        };
+        let residuals = view.data.whitened(simulated.predicted(view));
         let tiles = view.data.tiles();
-        Some(ResidualGrid { nx: tiles.grid.shape().0, cells: tiles.cells.clone(), residuals })
+        ResidualGrid { nx: tiles.grid.shape().0, cells: tiles.cells.clone(), residuals }
     };
-    let grids: Vec<ResidualGrid> = views.iter().filter_map(grid).collect();
+    let grids: Vec<ResidualGrid> = views.iter().map(grid).collect();
     let trials = 0..evidence.simulation.trials.len();
-    let shared: Vec<SharedTiles> =
-        trials.filter_map(|trial| shared_tiles(evidence, simulated, &views, trial)).collect();
+    let shared: Vec<SharedTiles> = trials.filter_map(|trial| shared_tiles(simulated, &views, trial)).collect();
     structure_tests(&grids, degrees_of_freedom, &shared, seed)
 }
 
@@ -54,17 +49,9 @@ pub fn of_rows(
 }
 
 /// Tiles that the scans of one trial share; `None` if there is only one scan.
-fn shared_tiles<'a>(
-    evidence: &ScanEvidence,
-    simulated: &Simulated,
-    views: &[&'a ScanView],
-    trial: usize,
-) -> Option<SharedTiles<'a>> {
-    let heights = |view: &&&'a ScanView| match &view.data {
-        ScanData::Heights(data) if view.trial == trial => Some((**view, data.as_ref())),
-        _ => None,
-    };
-    let scans: Vec<(&ScanView, &HeightView)> = views.iter().filter_map(|view| heights(&view)).collect();
+fn shared_tiles<'a>(simulated: &Simulated, views: &[&'a ScanView], trial: usize) -> Option<SharedTiles<'a>> {
+    let own = views.iter().filter(|view| view.trial == trial);
+    let scans: Vec<(&ScanView, &HeightView)> = own.filter_map(|view| Some((*view, view.data.as_heights()?))).collect();
     let (_, first) = scans.first()?;
     if scans.len() < 2 || scans.iter().any(|(_, data)| data.tiles.grid != first.tiles.grid) {
         return None;
@@ -75,24 +62,11 @@ fn shared_tiles<'a>(
     };
     let everywhere = |&&cell: &&usize| scans.iter().all(|(_, data)| place(data, cell).is_some());
     let cells: Vec<usize> = first.tiles.cells.iter().filter(everywhere).copied().collect();
-    let centred = |(view, data): &(&ScanView, &HeightView)| {
-        let seen = simulated.heights(evidence, view)?;
-        Some(data.whitener().centred(&data.difference(&seen)))
-    };
+    let centred =
+        |(view, data): &(&ScanView, &HeightView)| data.whitener().centred(&data.difference(simulated.predicted(view)));
     Some(SharedTiles {
         whiteners: scans.iter().map(|(_, data)| data.whitener()).collect(),
-        differences: scans.iter().map(centred).collect::<Option<_>>()?,
+        differences: scans.iter().map(centred).collect(),
         places: scans.iter().map(|(_, data)| cells.iter().filter_map(|&cell| place(data, cell)).collect()).collect(),
     })
-}
-
-/// Converts the tests to the report's form.
-pub fn reported(tests: &[StructureTest]) -> Vec<TestOfMissing> {
-    let test = |test: &StructureTest| TestOfMissing {
-        name: test.name.clone(),
-        statistic: test.statistic,
-        p_value: test.p_value,
-        rejects: test.rejects,
-    };
-    tests.iter().map(test).collect()
 }

@@ -3,6 +3,7 @@
 use sdf_bake::PixelGrid;
 
 use super::data::Stated;
+use lab::ErrorUnit;
 use trials::measure::Registration;
 use trials::trial::Role;
 
@@ -38,6 +39,14 @@ impl Misfit {
     /// Height error in micrometres.
     pub fn heights() -> Self {
         Self { name: "height, root mean square".to_owned(), unit: Stated::new("µm", 1e-6) }
+    }
+
+    /// Errors of scans, or of the removal of a table's rows.
+    pub fn of(unit: ErrorUnit) -> Self {
+        match unit {
+            ErrorUnit::Metre => Self::heights(),
+            ErrorUnit::Share => Self { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::maps::{name, pass_volume, role};
 use super::track::{Ground, exposure, line_of};
 use crate::Direction;
 use lab::Simulated;
-use lab::{ScanData, ScanEvidence, ScanView};
+use lab::{ScanEvidence, ScanView};
 use trials::measure::Plateau;
 use trials::trial::Role;
 
@@ -77,16 +77,13 @@ pub(super) fn figures(
 ) -> ScanFigures {
     let trial = evidence.simulation.trials[view.trial].trial;
     let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].floor.rms);
-    let ground = Ground::new(evidence, view, simulated);
+    let ground = Ground::new(view, simulated);
     let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));
     let on_plateau = ground.as_ref().zip(plateau.as_ref()).and_then(|(ground, plateau)| ground.figures(plateau));
-    let volume = pass_volume(evidence, view, &|view| Ground::new(evidence, view, simulated));
+    let volume = pass_volume(evidence, view, &|view| Ground::new(view, simulated));
     let exposed = exposure(view, simulated);
-    let [rms, floor] = match (&view.data, &ground) {
-        (ScanData::Heights(data), Some(ground)) => [ground.rms(), data.agreement(&ground.seen, before, noise)[1]],
-        (ScanData::Exposure(data), _) => [data.border_distance(&simulated.margin(view)), data.border_floor()],
-        (ScanData::Heights(_), None) => unreachable!("a simulated scan is like the real one"),
-    };
+    let agreement = view.data.agreement(simulated.predicted(view), evidence.untouched(view));
+    let (rms, floor) = (ground.as_ref().map_or(agreement.rms, Ground::rms), agreement.floor);
     let section = |line: &Direction| Some(section(ground.as_ref()?, plateau.as_ref()?, *line));
     ScanFigures {
         pass: name(evidence, view),

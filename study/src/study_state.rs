@@ -9,10 +9,9 @@ use lab::{LabError, Result};
 use super::calibrated::{CalibrationReport, bare_report, calibration_report};
 use super::conclusion::{proposal, summary};
 use super::measurements::Data;
-use super::next_trial_report::next_trial;
 use super::proposal_step::add_proposal;
 use super::record::{Action, Done, STUDY_FILE, StudyRecord};
-use super::report_from_diagnosis::{detectable, suspects, waterfall};
+use super::report_from_diagnosis::waterfall;
 use crate::StudyReport;
 use lab::{
     BASE_STEP, Calibration, CalibrationSummary, Diagnosis, DiagnosisSummary, EffectSummary, Fitted, NextTrial,
@@ -59,12 +58,12 @@ impl<'a> StudyState<'a> {
     ///
     /// # Errors
     /// If a model cannot be simulated.
-    pub fn step(&mut self, told: OnProgress) -> Result<Option<Done>> {
+    pub fn step(&mut self, on_progress: OnProgress) -> Result<Option<Done>> {
         let Some(action) = self.record.next else { return Ok(None) };
         let outcome = match action {
             Action::Compare => self.compare()?,
-            Action::Calibrate => self.calibrate(told)?,
-            Action::Diagnose => self.diagnose(told)?,
+            Action::Calibrate => self.calibrate(on_progress)?,
+            Action::Diagnose => self.diagnose(on_progress)?,
             Action::Add => self.add()?,
         };
         let done = Done { action, outcome };
@@ -77,11 +76,11 @@ impl<'a> StudyState<'a> {
         let evidence = self.data.evidence();
         let (waterfall, (floor, held_out)) = beginning(evidence, &self.start()?)?;
         let record = &mut self.record;
-        (record.error_unit, record.noise_floor_um, record.waterfall) = (evidence.unit(), floor, waterfall);
-        record.evaluation_noise_floor_um = held_out;
+        (record.error_unit, record.noise_floor, record.waterfall) = (evidence.unit(), floor, waterfall);
+        record.evaluation_noise_floor = held_out;
         record.next = Some(Action::Calibrate);
-        let lines: Vec<String> = record.waterfall.iter().map(|step| record.shown(step)).collect();
-        Ok(format!("{}\nnoise floor: {floor:.2} {}", lines.join("\n"), record.error_unit.symbol()))
+        let lines: Vec<String> = record.waterfall.iter().map(|step| step.shown(record.error_unit)).collect();
+        Ok(format!("{}\nnoise floor: {}", lines.join("\n"), record.error_unit.shown(floor)))
     }
 
     /// The base law before any fit.
@@ -91,16 +90,16 @@ impl<'a> StudyState<'a> {
     }
 
     /// Fits the model, unless a search of this run has fitted it together with the effect that it found.
-    fn calibrate(&mut self, told: OnProgress) -> Result<String> {
-        self.fitted(told)?;
+    fn calibrate(&mut self, on_progress: OnProgress) -> Result<String> {
+        self.fitted(on_progress)?;
         let calibration = self.calibration.as_ref().expect("the model is fitted");
         let numbers = CalibrationSummary::new(self.data.evidence(), calibration, self.library)?;
         let record = &mut self.record;
         record.waterfall = numbers.waterfall;
         self.model = calibration.model.clone();
         let last = record.waterfall.last().expect("the model is a step");
-        let ratio = last.calibration_rms_um / record.noise_floor_um;
-        let text = format!("{}\n{ratio:.2} times the noise floor", record.shown(last));
+        let ratio = last.calibration_rms / record.noise_floor;
+        let text = format!("{}\n{ratio:.2} times the noise floor", last.shown(record.error_unit));
         if record.verdict == Some(Verdict::Identified) {
             let frame = self.data.evidence().frame(&calibration.last().fit)?;
             record.add_frame(frame.as_ref());
@@ -135,7 +134,7 @@ impl<'a> StudyState<'a> {
     }
 
     /// Fits the model and the smaller models on the way to it, if that is not done yet.
-    fn fitted(&mut self, told: OnProgress) -> Result<()> {
+    fn fitted(&mut self, on_progress: OnProgress) -> Result<()> {
         if let Some(calibration) = self.calibration.take_if(|c| c.steps.len() == 1 + self.model.effects.len()) {
             let is_added = self.record.done.last().is_some_and(|done| done.action == Action::Add);
             self.calibration = Some(if is_added { self.data.renewed(calibration)? } else { calibration });
@@ -146,7 +145,7 @@ impl<'a> StudyState<'a> {
         let done = Cell::new(0);
         let fitted = |name: &str| {
             done.set(done.get() + 1);
-            told(name, done.get(), count);
+            on_progress(name, done.get(), count);
         };
         let models = (&self.model, &start);
         self.calibration = Some(self.data.calibrated(models, self.library, (Order::Joint, &fitted))?);
@@ -154,17 +153,17 @@ impl<'a> StudyState<'a> {
     }
 
     /// Searches for one missing effect.
-    fn diagnose(&mut self, told: OnProgress) -> Result<String> {
+    fn diagnose(&mut self, on_progress: OnProgress) -> Result<String> {
         self.fitted(&|_, _, _| {})?;
         let fit = self.calibration.as_ref().expect("the model is fitted").last().fit.clone();
-        let search = (self.record.seed, told);
+        let search = (self.record.seed, on_progress);
         let mut diagnosis = Diagnosis::within(self.data.evidence(), (&self.model, fit), self.library, search, 1)?;
         let to_add = self.judged(&mut diagnosis);
         if to_add.is_none() && diagnosis.verdict == Verdict::Identified {
             self.record.add_frame(diagnosis.frame.as_ref());
         }
         let mut summary = summary(&mut self.data, &diagnosis, self.library)?;
-        self.data.free_observation();
+        self.data.free_nuisances();
         if to_add.is_none() {
             summary.proposal = proposal(&self.data, &diagnosis, self.library, self.record.seed)?;
         }
@@ -262,9 +261,9 @@ impl<'a> StudyState<'a> {
             Some(calibration) => calibration.last().fit.model.clone(),
             None => self.start()?,
         };
-        self.data.fix_observation(&seen)?;
+        self.data.fix_nuisances(&seen)?;
         let report = self.report_with(&seen, numbers.as_ref());
-        self.data.free_observation();
+        self.data.free_nuisances();
         report
     }
 
@@ -291,9 +290,10 @@ impl<'a> StudyState<'a> {
         let Some((_, found)) = &self.diagnosis else { return Ok(report) };
         found.proposal.iter().for_each(|proposal| add_proposal(&mut report.waterfall, proposal));
         Ok(StudyReport {
-            suspects: suspects(&self.suspects, &self.unfitted, found.error_unit),
-            detectable: found.detectable.iter().map(detectable).collect(),
-            next_trial: found.next_trial.as_ref().map(next_trial),
+            suspects: self.suspects.clone(),
+            unfitted: self.unfitted.clone(),
+            detectable: found.detectable.clone(),
+            next_trial: found.next_trial.clone(),
             proposal: found.proposal.clone(),
             ..report
         })
@@ -314,7 +314,7 @@ impl<'a> StudyState<'a> {
             Some(sentence) => format!("{sentence}{next}"),
             None => {
                 let last = record.waterfall.iter().rev().find(|step| step.step == BASE_STEP);
-                let far = last.or(record.waterfall.last()).map_or(String::new(), |step| record.shown(step));
+                let far = last.or(record.waterfall.last()).map_or(String::new(), |step| step.shown(record.error_unit));
                 format!("Nothing is diagnosed yet; {far}.{next}")
             }
         }

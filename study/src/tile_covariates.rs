@@ -8,8 +8,7 @@ use crate::Stated;
 use lab::Simulated;
 use lab::criteria::{TILE_BLOCK_SIDE, TRACK_REMOVAL_SHARE, TRACK_REMOVAL_SIGMAS};
 use lab::{
-    CovariateField, CovariateStudy, ExposureView, HeightView, ScanData, ScanEvidence, ScanView, Split, Tiles,
-    covariate_study,
+    CovariateField, CovariateStudy, ExposureView, HeightView, ScanEvidence, ScanView, Split, Tiles, covariate_study,
 };
 use trials::measure::despiked;
 use trials::trial::RPM;
@@ -45,16 +44,14 @@ pub fn covariate(at: usize) -> (String, Stated) {
 /// Studies the dependence of a split's residuals on the covariates of each place.
 pub fn study(evidence: &ScanEvidence, simulated: &Simulated, split: Split, seed: u64) -> CovariateStudy {
     let fields: Vec<CovariateField> = evidence.of(split).filter_map(|view| field(evidence, simulated, view)).collect();
-    let masks = evidence.of(split).any(|view| matches!(view.data, ScanData::Exposure(_)));
+    let masks = evidence.of(split).any(|view| view.data.as_exposure().is_some());
     covariate_study(&fields, if masks { 0.0 } else { 1.0 }, seed)
 }
 
 fn field(evidence: &ScanEvidence, simulated: &Simulated, view: &ScanView) -> Option<CovariateField> {
     let places = Places::new(evidence, simulated, view)?;
-    let (tiles, kept, residuals, sigmas) = match &view.data {
-        ScanData::Heights(data) => places.removed(data)?,
-        ScanData::Exposure(data) => places.exposed(data),
-    };
+    let heights = || places.removed(view.data.as_heights()?);
+    let (tiles, kept, residuals, sigmas) = heights().or_else(|| Some(places.exposed(view.data.as_exposure()?)))?;
     let nx = tiles.grid.shape().0;
     let block = |&tile: &usize| {
         let cell = tiles.cells[tile];
@@ -94,13 +91,13 @@ impl<'a> Places<'a> {
     /// The simulated surface before the pass, as the instrument sees it.
     fn before(&self) -> HeightMap {
         let first = || despiked(&self.evidence.simulation.trials[self.view.trial].trial.scans.before).0;
-        self.earlier.and_then(|view| self.simulated.heights(self.evidence, view)).unwrap_or_else(first)
+        self.earlier.and_then(|view| self.simulated.heights(view)).unwrap_or_else(first)
     }
 
     /// Relative residual of the removal: measured minus simulated removal of the pass, over the simulated one.
     fn removed(&self, data: &'a HeightView) -> Option<Kept<'a>> {
-        let now = Ground::new(self.evidence, self.view, self.simulated)?;
-        let earlier = self.earlier.and_then(|view| Ground::new(self.evidence, view, self.simulated));
+        let now = Ground::new(self.view, self.simulated)?;
+        let earlier = self.earlier.and_then(|view| Ground::new(view, self.simulated));
         let missed = |at: usize| earlier.as_ref().map_or(0.0, |earlier| earlier.left[at]) - now.left[at];
         let (missed, removed) = (means(&data.tiles, missed), now.removed(&self.before()));
         let removed = means(&data.tiles, |at| removed[at]);

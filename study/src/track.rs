@@ -5,7 +5,7 @@ use sdf_bake::{HeightMap, PixelGrid};
 use crate::Direction;
 use lab::Simulated;
 use lab::criteria::PLATEAU_REMOVAL_SIGMAS;
-use lab::{HeightView, ScanData, ScanEvidence, ScanView, Split};
+use lab::{HeightView, ScanEvidence, ScanView, Split};
 use trials::measure::{
     CLEARANCE, DegreesOfFreedom, Plateau, Registration, SectionAxis, despiked, plateau_pixels, register, untouched,
 };
@@ -56,10 +56,9 @@ pub struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     /// Compares a scan with a simulation; `None` when sanding.
-    pub fn new(evidence: &ScanEvidence, view: &'a ScanView, simulated: &Simulated) -> Option<Self> {
-        let ScanData::Heights(data) = &view.data else { return None };
-        let seen = simulated.heights(evidence, view)?;
-        let left = data.left_held(&seen);
+    pub fn new(view: &'a ScanView, simulated: &Simulated) -> Option<Self> {
+        let (data, seen) = (view.data.as_heights()?, simulated.heights(view)?);
+        let left = data.left_held(&seen.heights);
         Some(Self { data, seen, left })
     }
 
@@ -144,7 +143,7 @@ impl<'a> Ground<'a> {
 pub fn deepest(evidence: &ScanEvidence, simulated: &Simulated, split: Split) -> f64 {
     let depth = |view: &ScanView| {
         let before = &evidence.simulation.trials[view.trial].trial.scans.before;
-        Some(Ground::new(evidence, view, simulated)?.depth(before))
+        Some(Ground::new(view, simulated)?.depth(before))
     };
     evidence.of(split).filter_map(depth).reduce(f64::max).unwrap_or(f64::INFINITY)
 }
@@ -167,7 +166,7 @@ pub fn line_of(pixels: PixelGrid, line: Direction) -> Vec<usize> {
 
 /// Exposed area of a mask; `None` when grinding.
 pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigures> {
-    let ScanData::Exposure(data) = &view.data else { return None };
+    let data = view.data.as_exposure()?;
     let exposed = simulated.exposed(view);
     let known = data.measured.exposed.iter().zip(&exposed).filter_map(|(m, s)| m.map(|m| (m, *s)));
     let count = |takes: fn(bool, bool) -> bool| known.clone().filter(|&(m, s)| takes(m, s)).count() as f64;
@@ -183,7 +182,7 @@ pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigure
 /// `None` when sanding, or if too little is untouched.
 pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registration, HeightMap)> {
     let trial = evidence.simulation.trials[view.trial].trial;
-    let ScanData::Heights(data) = &view.data else { return None };
+    let data = view.data.as_heights()?;
     let (before, _) = despiked(&trial.scans.before);
     let mut free = vec![true; before.heights.len()];
     for pass in &trial.passes[..=view.pass] {

@@ -7,7 +7,7 @@ use super::maps::{name, pass_volume};
 use super::track::{Ground, alignment, exposure};
 use crate::{Misfit, Waterfall, WaterfallStep};
 use lab::Simulated;
-use lab::{ScanData, ScanEvidence, ScanView, Split};
+use lab::{Agreement, ScanEvidence, ScanView, Split};
 use trials::measure::Registration;
 
 /// Registration of measured heights on the simulated ones.
@@ -58,8 +58,8 @@ impl<'a> Scans<'a> {
     }
 
     fn ground(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<Ground<'a>> {
-        let held = Ground::new(self.evidence, view, simulated)?;
-        let ScanData::Heights(data) = &view.data else { return None };
+        let held = Ground::new(view, simulated)?;
+        let data = view.data.as_heights()?;
         match pose {
             Pose::AsRead => Some(held.against(&data.measured)),
             Pose::Registered => Some(held.against(&self.of(view)?.1)),
@@ -71,7 +71,7 @@ impl<'a> Scans<'a> {
     /// to the first model's excess over the floor.
     pub fn waterfall(&self, start: &Simulated, models: &[Step]) -> Waterfall {
         let views = &self.evidence.views;
-        let ground = views.iter().any(|view| matches!(view.data, ScanData::Heights(_)));
+        let ground = views.iter().any(|view| view.data.as_heights().is_some());
         let mut steps = Vec::new();
         if ground {
             steps.push(self.step("raw", start, Pose::AsRead));
@@ -102,14 +102,10 @@ impl<'a> Scans<'a> {
 
     fn step(&self, name: &str, simulated: &Simulated, pose: Pose) -> WaterfallStep {
         let views = &self.evidence.views;
-        let misfit = |view: &'a ScanView| match &view.data {
-            ScanData::Heights(data) if self.free && pose == Pose::Held => {
-                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
-                let seen = simulated.heights(self.evidence, view)?;
-                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].floor.rms)[0])
-            }
-            ScanData::Heights(_) => Some(self.ground(view, simulated, pose)?.rms()),
-            ScanData::Exposure(data) => Some(data.border_distance(&simulated.margin(view))),
+        let misfit = |view: &'a ScanView| match self.ground(view, simulated, pose) {
+            Some(ground) if !self.free || pose != Pose::Held => Some(ground.rms()),
+            None if view.data.as_heights().is_some() => None,
+            _ => Some(self.agreement(view, simulated).rms),
         };
         let volume = |view: &'a ScanView| {
             let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, pose))?;
@@ -131,17 +127,14 @@ impl<'a> Scans<'a> {
         }
     }
 
+    fn agreement(&self, view: &ScanView, simulated: &Simulated) -> Agreement {
+        view.data.agreement(simulated.predicted(view), self.evidence.untouched(view))
+    }
+
     /// Noise floor of each figure.
     fn floor(&self, simulated: &Simulated) -> WaterfallStep {
         let views = &self.evidence.views;
-        let misfit = |view: &ScanView| match &view.data {
-            ScanData::Heights(data) => {
-                let before = &self.evidence.simulation.trials[view.trial].trial.scans.before;
-                let seen = simulated.heights(self.evidence, view)?;
-                Some(data.agreement(&seen, before, self.evidence.noise[view.trial].floor.rms)[1])
-            }
-            ScanData::Exposure(data) => Some(data.border_floor()),
-        };
+        let misfit = |view: &'a ScanView| Some(self.agreement(view, simulated).floor);
         let volume = |view: &'a ScanView| {
             let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, Pose::Held))?;
             Some((0.0, volume.uncertainty / volume.measured.abs()))

@@ -70,10 +70,10 @@ fn the_waterfall_begins_with_the_scans_as_they_came() {
     let summary = CalibrationSummary::new(&evidence, &calibration, Library::builtin()).unwrap();
     let names: Vec<&str> = summary.waterfall.iter().map(|step| step.step.as_str()).collect();
     assert_eq!(names, ["raw", "registered", "base model"]);
-    let errors: Vec<f64> = summary.waterfall.iter().map(|step| step.calibration_rms_um).collect();
-    println!("{errors:?} µm, floor {:.2} µm", summary.noise_floor_um);
+    let errors: Vec<f64> = summary.waterfall.iter().map(|step| step.calibration_rms).collect();
+    println!("{errors:?} m, floor {:e} m", summary.noise_floor);
     assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "each step lowers the error: {errors:?}");
-    assert!(summary.waterfall.iter().all(|step| step.evaluation_rms_um.is_some()));
+    assert!(summary.waterfall.iter().all(|step| step.evaluation_rms.is_some()));
     assert_eq!(summary.removal.len(), 2, "one calibration scan and one held out");
 }
 
@@ -106,9 +106,9 @@ fn the_page_states_one_error_of_a_volume_one_scan_noise_and_the_floor_of_either_
         assert_eq!(error, (volume.base - volume.measured) / volume.measured, "{}", volume.pass);
         assert_eq!(sigma, volume.uncertainty / volume.measured, "{}", volume.pass);
     }
-    let floors = [floor.calibration, floor.evaluation].map(|floor| 1e6 * floor.expect("both kinds have a floor"));
-    assert!((floors[0] - summary.noise_floor_um).abs() < 1e-9, "{floors:?}");
-    assert!((floors[1] - summary.evaluation_noise_floor_um.unwrap()).abs() < 1e-9, "{floors:?}");
+    let floors = [floor.calibration, floor.evaluation].map(|floor| floor.expect("both kinds have a floor"));
+    assert!((floors[0] - summary.noise_floor).abs() < 1e-15, "{floors:?}");
+    assert!((floors[1] - summary.evaluation_noise_floor.unwrap()).abs() < 1e-15, "{floors:?}");
     for (pass, scan) in report.compared.passes.iter().zip(&report.scans) {
         let Maps::Heights(maps) = &scan.maps else { panic!("a ground surface") };
         assert_eq!(pass.noise_floor, Some(maps.noise_floor), "{}", pass.name);

@@ -35,7 +35,7 @@ fn steps(answer: &Value) -> Vec<(String, f64, f64)> {
     let steps = answer["waterfall"].as_array().unwrap().iter();
     let step = |s: &Value| {
         let name = s["step"].as_str().unwrap().to_owned();
-        (name, number(s, "calibration_rms_um"), number(s, "evaluation_rms_um"))
+        (name, number(s, "calibration_rms"), number(s, "evaluation_rms"))
     };
     steps.map(step).collect()
 }

@@ -5,7 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use effects::{Library, Model};
-use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate, next_row};
+use experiments::next_row;
+use lab::{Diagnosis, DiagnosisSummary, Evidence, RowEvidence, Verdict, calibrate};
 use trials::table::Table;
 
 fn table() -> Table {

@@ -1,7 +1,8 @@
 //! An unlisted effect is described by a form; for indistinguishable effects a distinguishing trial is proposed.
 
 use effects::{CompiledModel, Library, Model, Process, check_file};
-use lab::{Evidence, Fit, FitOptions, Hypothesis, ScanEvidence, calibrate, calibrate_scans, next_trial, propose};
+use experiments::{Hypothesis, next_trial};
+use lab::{Evidence, Fit, FitOptions, ScanEvidence, calibrate, calibrate_scans, propose};
 use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, Hidden, Plan, Size};
 

@@ -82,7 +82,7 @@ fn a_browser_opens_the_pages_without_an_error_and_finds_the_numbers() {
         for number in &expected {
             assert!(dom.contains(number.as_str()), "{name}: {number} is not in the document");
         }
-        assert!(dom.contains(report.verdict.word()) && dom.contains(&report.sentence), "{name}");
+        assert!(dom.contains(report.conclusion.word()) && dom.contains(&report.sentence), "{name}");
     }
 }
 

@@ -1,8 +1,9 @@
 //! Content of the page: every number, escaped text, full values of rounded numbers.
 
+use lab::Verdict;
 use report::study::page;
 use serde_json::Value;
-use study::{Maps, Stated, Verdict};
+use study::{Conclusion, Maps};
 
 use crate::study::grinding;
 
@@ -28,17 +29,21 @@ fn full_values_stand_behind_the_cells() {
     let mut values: Vec<f64> = report.waterfall.steps.iter().filter_map(|step| step.evaluation).collect();
     values.extend(report.waterfall.steps.iter().flat_map(|s| s.volume_errors.iter().flatten().map(|v| v.0)));
     values.extend(report.waterfall.steps.iter().filter_map(|step| step.plateau_slope));
-    values.extend(report.suspects.iter().flat_map(|s| [Some(s.probability), s.delta_chi2]).flatten());
-    values.extend(report.suspects.iter().filter_map(|s| s.evaluation_after));
+    values.extend(report.suspects.iter().flat_map(|s| [s.probability, s.delta_chi2]));
+    values.extend(report.suspects.iter().filter_map(|s| s.evaluation_rms_after));
     values.extend(report.parameters.iter().map(|p| p.value));
     values.extend(report.parameters.iter().filter_map(|p| p.interval).flatten());
     values.extend(report.volumes.iter().flat_map(|v| [v.measured, v.base, v.uncertainty]));
     values.extend(report.covariates.iter().flat_map(|c| [c.share, c.drop, c.p_value, c.p_value_of_all]));
     values.extend(report.detectable.iter().filter_map(|d| d.size));
     values.extend(report.tests.iter().map(|t| t.statistic));
-    values.extend(report.next_trial.iter().filter_map(|next| next.probability_right));
-    let menu = report.next_trial.iter().flat_map(|next| &next.menu);
-    values.extend(menu.flat_map(|row| [row.minutes, row.information, 60.0 * row.information_per_minute]));
+    let next = report.next_trial.as_ref().expect("a next trial");
+    let choice = next.choice.as_ref().expect("a menu");
+    let worths = [choice.worth].into_iter().chain(choice.runners_up.iter().map(|line| line.worth));
+    values.push(next.probability_right);
+    values.extend(
+        worths.flat_map(|worth| [worth.minutes, worth.expected_information_nats, 60.0 * worth.nats_per_minute]),
+    );
     assert!(values.len() > 40, "{}", values.len());
     for value in values {
         let json = serde_json::to_string(&value).expect("a number");
@@ -58,8 +63,8 @@ fn shown_numbers_are_in_their_units() {
         ">0.93</td>",
         ">6000</td>",
         ">1.73</td>",
-        ">on a bound</td>",
-        ">not identifiable</td>",
+        ">on its greatest value</td>",
+        ">not identifiable from these data</td>",
         ">held fixed</td>",
         ">none shows</td>",
         "&lt; 0.001",
@@ -120,7 +125,7 @@ fn a_comparison_has_no_suspects_no_next_trial_and_no_columns_of_an_effect() {
     assert!(page(&report).contains("with effect [mm³]"));
     report.volumes.iter_mut().for_each(|volume| volume.with_effect = None);
     report.waterfall.steps.iter_mut().for_each(|step| step.unexplained = None);
-    report.verdict = Verdict::Differs;
+    report.conclusion = Conclusion::Differs;
     let html = page(&report);
     assert!(!html.contains("with effect [mm³]") && html.contains("model [mm³]"));
     assert!(!html.contains("still unexplained"), "no step has such a share");
@@ -144,7 +149,6 @@ fn both_tables_state_one_error_for_the_volume_of_a_pass() {
 #[test]
 fn units_have_raised_powers_and_shares_no_negative_zero() {
     let mut report = grinding(1, 60, 40);
-    report.parameters[0].unit = Stated::new("mm^3/(N m)", 1e-9);
     report.compared.notes = vec!["dulling.volume is on its greatest value, 300 mm^3".into()];
     report.volumes[0].base = report.volumes[0].measured * (1.0 - 4e-4);
     let html = page(&report);
@@ -163,7 +167,7 @@ fn without_rivals_the_page_says_what_another_trial_would_buy() {
         (Verdict::NotTestable, "other forces, feeds and spindle speeds"),
         (Verdict::Unknown, "what the remaining error depends on"),
     ] {
-        let text = next(study::StudyReport { verdict, ..report.clone() });
+        let text = next(study::StudyReport { conclusion: Conclusion::Searched(verdict), ..report.clone() });
         assert!(text.contains(words) && text.contains("grit-dulling.rate"), "{verdict:?}: {text}");
         assert!(!text.contains("Chance that it names"), "{text}");
     }

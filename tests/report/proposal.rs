@@ -6,8 +6,8 @@ use lab::{CurvePoint, ErrorUnit, FittedForm, Proposal, ProposedForm, WaterfallSt
 pub fn proposal() -> Proposal {
     let step = |step: &str, rms: f64| WaterfallStep {
         step: step.into(),
-        calibration_rms_um: rms,
-        evaluation_rms_um: Some(1.1 * rms),
+        calibration_rms: rms,
+        evaluation_rms: Some(1.1 * rms),
     };
     let point = |k: u32| {
         let change = -0.002 * f64::from(k * k);
@@ -34,8 +34,8 @@ pub fn proposal() -> Proposal {
         files: vec![(format!("{name}.toml"), text.clone()), ("closure-worked-volume.toml".into(), text)],
         model: String::new(),
         parameters: Vec::new(),
-        error_unit: ErrorUnit::Micrometre,
-        errors: vec![step("without it", 12.4), step("+ form", 2.6)],
+        error_unit: ErrorUnit::Metre,
+        errors: vec![step("without it", 12.4e-6), step("+ form", 2.6e-6)],
         delta_chi2: 310.0,
     }
 }

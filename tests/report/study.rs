@@ -1,8 +1,13 @@
 //! Invented studies for the page: a bead ground twice, a sanded panel, a table of rows.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glam::DVec2;
+use lab::{
+    Correlation, Detectable, EffectSummary, MenuChoice, MenuLine, NextTrial, ParameterState, ParameterSummary, Sides,
+    StructureTest, Unfitted, Verdict, Worth,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use sdf_bake::PixelGrid;
@@ -37,12 +42,12 @@ pub fn grinding(scans: usize, nx: usize, ny: usize) -> StudyReport {
             ],
             notes: vec!["plate-02/before.csv: <12> pixels & 3 spikes were left out".into()],
         },
-        verdict: Verdict::Identified,
+        conclusion: Conclusion::Searched(Verdict::Identified),
         sentence: "The wheel dulls with the volume it removes: adding grit-dulling takes the error of the evaluation passes from 13.7 to 2.4 µm, 1.15 times the noise floor.".into(),
         tests: vec![
-            TestOfMissing { name: "excess of whitened squares".into(), statistic: 84.31, p_value: 1e-9, rejects: true },
-            TestOfMissing { name: "neighbouring tiles agree (Moran)".into(), statistic: 0.412, p_value: 2e-4, rejects: true },
-            TestOfMissing { name: "runs along sections".into(), statistic: -1.27, p_value: 0.204, rejects: false },
+            StructureTest { name: "excess of whitened squares".into(), statistic: 84.31, p_value: 1e-9, rejects: true },
+            StructureTest { name: "neighbouring tiles agree (Moran)".into(), statistic: 0.412, p_value: 2e-4, rejects: true },
+            StructureTest { name: "runs along sections".into(), statistic: -1.27, p_value: 0.204, rejects: false },
         ],
         waterfall: waterfall(&passes[..scans.min(4)]),
         volumes: passes.iter().enumerate().map(|(k, pass)| volume(pass, k)).collect(),
@@ -50,8 +55,9 @@ pub fn grinding(scans: usize, nx: usize, ny: usize) -> StudyReport {
         sections: vec![section(Direction::Across(20e-3)), section(Direction::Across(70e-3)), section(Direction::AlongCrest)],
         covariates: covariates(),
         suspects: suspects(),
+        unfitted: vec![unfitted()],
         parameters: parameters(),
-        correlations: Some(correlations()),
+        correlations: correlations(),
         detectable: detectable(),
         next_trial: Some(next_trial()),
         proposal: Some(proposal()),
@@ -199,35 +205,31 @@ fn covariates() -> Vec<CovariatePlot> {
     ]
 }
 
-fn suspects() -> Vec<Suspect> {
-    let suspect = |name: &str, title: &str, probability, gain, after: f64, like: &[&str], note: &str| Suspect {
-        name: name.into(),
-        title: title.into(),
-        probability,
-        delta_chi2: Some(gain),
-        evaluation_before: Some(13.73 * UM),
-        evaluation_after: Some(after * UM),
-        look_alikes: like.iter().map(|&l| l.to_owned()).collect(),
-        note: note.into(),
-    };
+fn suspects() -> Vec<EffectSummary> {
+    let suspect =
+        |name: &str, title: &str, probability, gain, after: f64, like: &[&str], ruled_out: &str| EffectSummary {
+            name: name.into(),
+            title: title.into(),
+            probability,
+            indistinguishable_from: like.iter().map(|&l| l.to_owned()).collect(),
+            parameters: BTreeMap::new(),
+            delta_chi2: gain,
+            p_value: 0.0025,
+            search: 1,
+            ruled_out: Some(ruled_out.to_owned()).filter(|reason| !reason.is_empty()),
+            evaluation_rms_before: Some(13.73 * UM),
+            evaluation_rms_after: Some(after * UM),
+        };
     vec![
-        suspect(
-            "grit-dulling",
-            "wheel dulls with removed volume",
-            0.9413,
-            1843.2,
-            2.419,
-            &[],
-            "All gates are passed; the held-out gain is 14 standard errors.",
-        ),
+        suspect("grit-dulling", "wheel dulls with removed volume", 0.9413, 1843.2, 2.419, &["thermal-softening"], ""),
         suspect(
             "wheel-loading",
             "chips clog the wheel",
             0.0511,
             1829.7,
             2.633,
-            &["thermal-softening"],
-            "Explains plate-01 as well, and loses on the dressed wheel of plate-03.",
+            &[],
+            "it predicts data left out of the fit worse than grit-dulling",
         ),
         suspect(
             "tool-tilt",
@@ -236,78 +238,87 @@ fn suspects() -> Vec<Suspect> {
             211.4,
             11.93,
             &[],
-            "Symmetric residual: ruled out.",
+            "its best size lies beyond its range",
         ),
     ]
 }
 
-fn parameters() -> Vec<ParameterEstimate> {
-    let free = |name: &str, unit: Stated, value: f64, spread: f64| ParameterEstimate {
-        name: name.into(),
-        value: value * unit.si_per_unit,
-        interval: Some([(value - spread) * unit.si_per_unit, (value + spread) * unit.si_per_unit]),
-        unit,
-        on_bound: false,
-        identifiable: true,
-        fixed: false,
-    };
-    let mut all = vec![
-        free("preston.k", Stated::new("mm³/(N m)", 1e-9), 0.01234, 0.00031),
-        free("preston.threshold", Stated::new("MPa", 1e6), 0.0512, 0.0097),
-        free("grit-dulling.rate", Stated::new("1/mm³", 1e9), 0.002107, 0.000121),
-        free("contact.stiffness", Stated::new("N/mm³", 1e9), 3.2, 0.0),
-    ];
-    all[1].on_bound = true;
-    all[2].identifiable = false;
-    (all[3].fixed, all[3].interval) = (true, None);
-    all
+fn unfitted() -> Unfitted {
+    Unfitted {
+        name: "wheel-crown".into(),
+        title: "wheel is crowned".into(),
+        search: 1,
+        reason: "no fall of χ²: no fit of it is better than the model without it".into(),
+    }
 }
 
-fn correlations() -> Correlations {
-    let names = ["preston.k", "preston.threshold", "grit-dulling.rate"].map(str::to_owned).to_vec();
-    Correlations { names, values: vec![1.0, 0.932, -0.417, 0.932, 1.0, -0.288, -0.417, -0.288, 1.0] }
-}
-
-fn detectable() -> Vec<Detectable> {
-    let row = |name: &str, parameter: &str, size, note: &str| Detectable {
+fn parameters() -> Vec<ParameterSummary> {
+    let free = |name: &str, unit: &str, value: f64, spread: f64, state| ParameterSummary {
         name: name.into(),
-        parameter: parameter.into(),
-        unit: Stated::new("%", 0.01),
-        size,
-        typical: Some(0.08),
-        map_rms: size.map(|size: f64| size * 31.3 * UM),
-        note: note.into(),
+        value,
+        interval: Some([value - spread, value + spread]),
+        unit: unit.into(),
+        state,
+        listed_to: None,
     };
+    let fixed = free("contact.stiffness", "N/mm^3", 3.2, 0.0, ParameterState::Fixed);
     vec![
-        row("speed-exponent", "exponent", None, "looks like a change of k at one speed"),
-        row("tool-tilt", "tilt", Some(0.0173), ""),
+        free("preston.k", "mm^3/(N m)", 0.01234, 0.00031, ParameterState::Identifiable),
+        free("preston.threshold", "MPa", 0.0512, 0.0097, ParameterState::OnGreatest),
+        free("grit-dulling.rate", "1/mm^3", 0.002107, 0.000121, ParameterState::NotIdentifiable),
+        ParameterSummary { interval: None, ..fixed },
     ]
 }
 
+fn correlations() -> Vec<Correlation> {
+    let pair = |one: &str, other: &str, value: f64| Correlation {
+        between: [one, other].map(str::to_owned),
+        value: Some(value),
+    };
+    vec![
+        pair("preston.k", "preston.threshold", 0.932),
+        pair("preston.k", "grit-dulling.rate", -0.417),
+        pair("preston.threshold", "grit-dulling.rate", -0.288),
+    ]
+}
+
+fn detectable() -> Vec<Detectable> {
+    let row = |effect: &str, parameter: &str, size: Option<f64>| Detectable {
+        effect: effect.into(),
+        parameter: parameter.into(),
+        unit: "%".into(),
+        size,
+        sides: Sides::Above,
+        testable: size.is_some(),
+    };
+    vec![row("speed-exponent", "exponent", None), row("tool-tilt", "tilt", Some(1.73))]
+}
+
 fn next_trial() -> NextTrial {
+    let runner_up = MenuLine { summary: "the same passes at 2 times the force".into(), worth: worth(36.25, 0.43) };
     NextTrial {
         summary: "Grind one more plate with a freshly dressed wheel, and change the force within the pass.".into(),
-        steps: vec![
-            ("wheel".into(), "dressed".into()),
-            ("force".into(), "10 N to x = 70 mm, then 20 N".into()),
-            ("feed, spindle".into(), "5 mm/s, 6000 rpm".into()),
-        ],
-        settles: vec!["grit-dulling against wheel-loading".into()],
-        leaves_open: vec!["the speed exponent".into()],
-        probability_right: Some(0.973),
-        menu: vec![menu_row("1", 31.4, 0.41), menu_row("2", 36.25, 0.43)],
+        force_n: vec![10.0, 20.0],
+        feed_mm_s: vec![5.0],
+        spindle_rpm: Vec::new(),
+        separates: vec!["grit-dulling".into(), "wheel-loading".into()],
+        expected_delta_chi2: 31.0,
+        probability_right: 0.973,
+        choice: Some(MenuChoice {
+            worth: worth(31.4, 0.41),
+            discrimination_nats: 0.5,
+            entropy_nats: 0.69,
+            menu: 48,
+            runners_up: vec![runner_up],
+            then: None,
+            scans_per_surface: 1,
+            plan: Vec::new(),
+        }),
     }
 }
 
-fn menu_row(place: &str, minutes: f64, information: f64) -> MenuRow {
-    MenuRow {
-        place: place.into(),
-        summary: "the same passes at 2 times the force".into(),
-        minutes,
-        workpieces: 1,
-        information,
-        information_per_minute: information / minutes,
-    }
+fn worth(minutes: f64, expected_information_nats: f64) -> Worth {
+    Worth { minutes, workpieces: 1, expected_information_nats, nats_per_minute: expected_information_nats / minutes }
 }
 
 fn provenance() -> Provenance {
@@ -327,9 +338,9 @@ fn diagnosis() -> serde_json::Value {
         "effects": [{
             "name": "grit-dulling", "probability": 0.9413, "indistinguishable_from": [],
             "parameters": {"rate": 2107000.0000000005},
-            "evaluation_rms_um_before": 13.73, "evaluation_rms_um_after": 2.419
+            "evaluation_rms_before": 13.73e-6, "evaluation_rms_after": 2.419e-6
         }],
-        "noise_floor_um": 2.1, "base_rms_um": 12.41,
+        "noise_floor": 2.1e-6, "base_rms": 12.41e-6,
         "next_trial": {"summary": "dress the wheel </script><script>alert(1)</script>"},
         "proposal": null, "detectable": []
     })
@@ -359,7 +370,7 @@ pub fn sanding() -> StudyReport {
 pub fn bare(campaign: &str) -> StudyReport {
     StudyReport {
         compared: Compared { campaign: campaign.into(), ..Compared::default() },
-        verdict: Verdict::NotTestable,
+        conclusion: Conclusion::Searched(Verdict::NotTestable),
         sentence: "One force and one feed: no effect can be told from a change of k.".into(),
         tests: Vec::new(),
         waterfall: Waterfall { misfit: Misfit::heights(), passes: Vec::new(), steps: Vec::new(), notes: Vec::new() },
@@ -368,8 +379,9 @@ pub fn bare(campaign: &str) -> StudyReport {
         sections: Vec::new(),
         covariates: Vec::new(),
         suspects: Vec::new(),
+        unfitted: Vec::new(),
         parameters: Vec::new(),
-        correlations: None,
+        correlations: Vec::new(),
         detectable: Vec::new(),
         next_trial: None,
         proposal: None,

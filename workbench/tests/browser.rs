@@ -39,7 +39,7 @@ fn calibrated(measurements: &Measurements) -> (f64, f64) {
         let start = data.start(model, library).unwrap();
         let calibration = data.calibrated((model, &start), library, (Order::Joint, &|_| {})).unwrap();
         let summary = CalibrationSummary::new(data.evidence(), &calibration, library).unwrap();
-        let error = summary.waterfall.last().unwrap().calibration_rms_um;
+        let error = 1e6 * summary.waterfall.last().unwrap().calibration_rms;
         (calibration, error)
     };
     let process = measurements.data().unwrap().evidence().process();
@@ -66,12 +66,12 @@ fn write_study(folder: &Path, campaign: &Path) {
         json!({
             "name": name, "title": Library::builtin().find(name).unwrap().title, "probability": probability,
             "indistinguishable_from": [], "parameters": {}, "delta_chi2": delta_chi2, "p_value": 0.01, "search": 1,
-            "ruled_out": null, "evaluation_rms_um_before": null, "evaluation_rms_um_after": null,
+            "ruled_out": null, "evaluation_rms_before": null, "evaluation_rms_after": null,
         })
     };
     let mut record = study::StudyRecord::new(study::inputs_sha256(campaign).unwrap(), 1);
     record.diagnosis = Some(json!({
-        "sentence": "The rate falls with what was ground.", "none_probability": 0.02, "error_unit": "um",
+        "sentence": "The rate falls with what was ground.", "none_probability": 0.02, "error_unit": "m",
         "suspects": [suspect("wheel-crown", 0.05, 11.0), suspect(EFFECT, 0.93, 240.0)],
     }));
     fs::write(folder.join(study::STUDY_FILE), serde_json::to_string(&record).unwrap()).unwrap();

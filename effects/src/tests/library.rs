@@ -1,35 +1,47 @@
 //! Every file of the library.
 
-use std::collections::BTreeSet;
-use std::path::Path;
-
 use crate::check::check;
 use crate::interpret::Environment;
 use crate::null::{law_defaults, probe};
 use crate::scope::Scope;
-use crate::{EFFECTS, Effect, LAWS, Library, Process, check_file};
+use crate::{Effect, FILES, Library, Process, check_file};
 
 #[test]
-fn every_file_is_in_the_lists_and_named_after_its_effect() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("library");
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let found: BTreeSet<String> = entries.collect();
-    let listed: Vec<&str> = LAWS.iter().chain(EFFECTS).map(|(file, _)| *file).collect();
-    assert_eq!(found, listed.iter().map(|file| (*file).to_owned()).collect());
-    assert_eq!(found.len(), listed.len(), "a file is listed twice");
-    for effect in Library::builtin().all() {
+fn every_file_is_named_after_its_effect_and_has_a_place_of_its_own() {
+    let library = Library::builtin();
+    assert_eq!(library.all().count(), FILES.len());
+    for effect in library.all() {
         assert_eq!(effect.file, format!("{}.toml", effect.name));
+    }
+    for parts in [library.laws(), library.effects()] {
+        assert!(parts.is_sorted_by(|a, b| a.order < b.order), "two files state one place");
+        assert!(parts.iter().all(|part| part.order < u32::MAX), "a file states no place");
     }
 }
 
 #[test]
+fn effects_of_the_user_act_where_they_say_or_else_last() {
+    let text = |name: &str, order: &str| {
+        (format!("{name}.toml"), format!("name = \"{name}\"\n{order}\n[modify]\nrate = \"rate * 1\"\n"))
+    };
+    let own = [text("zeal", "order = 225"), text("alone", ""), text("below", "")];
+    let library = Library::builtin().with(&own).unwrap();
+    let names: Vec<&str> = library.effects().iter().map(|effect| effect.name.as_str()).collect();
+    let place = |name: &str| names.iter().position(|own| *own == name).unwrap();
+    assert_eq!(&names[names.len() - 2..], ["alone", "below"]);
+    assert!(place("break-in") < place("zeal") && place("zeal") < place("grit-dulling"));
+    let error = Library::builtin().with(&[text("wrong", "order = -1")]).unwrap_err().to_string();
+    assert!(error.contains("wrong.toml") && error.contains("order") && error.contains("-1"), "{error}");
+}
+
+#[test]
 fn every_file_passes_its_checks() {
-    for (file, text) in LAWS.iter().chain(EFFECTS) {
+    for (file, text) in FILES {
         if let Err(error) = check_file(file, text) {
             panic!("{error}");
         }
     }
-    assert!(EFFECTS.len() >= 25);
+    assert!(FILES.len() >= 25);
 }
 
 #[test]

@@ -62,8 +62,8 @@ impl FrameEstimate {
             p_value: (-self.log_odds).exp().min(1.0),
             search: 1,
             ruled_out: None,
-            evaluation_rms_um_before: None,
-            evaluation_rms_um_after: None,
+            evaluation_rms_before: None,
+            evaluation_rms_after: None,
         })
     }
 }

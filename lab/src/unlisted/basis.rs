@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::action::{ACTIONS, Action};
 use super::exposure::{Exposures, PassExposure, distribution};
 use super::variables::Variable;
-use crate::criteria::{CURVE_KNOTS, CURVE_MASK_STEP};
+use crate::criteria::CURVE_KNOTS;
 use crate::evidence::{Evidence, EvidenceError, Split};
-use crate::scans::{ScanData, ScanEvidence, ScanView};
+use crate::scans::{ScanEvidence, ScanView};
 
 /// Least distance of two knots over the range of the variable.
 const APART: f64 = 2e-3;
@@ -118,21 +118,8 @@ fn scan_columns(exposures: &Exposures, view: &ScanView, over: &Over) -> Result<D
     // An error of the scanner appears in its own scan only; a change of depth stays in all later scans.
     let first = if ACTIONS[over.action] == Action::Height { view.pass } else { 0 };
     let changes = changes(&exposures.passes[view.trial][first..=view.pass], over);
-    let columns: Vec<Vec<f64>> = match &view.data {
-        ScanData::Heights(data) => {
-            changes.iter().map(|change| view.data.whitened_field(&data.tiles.means(|at| change[at]))).collect()
-        }
-        ScanData::Exposure(data) => {
-            let simulated = &exposures.simulated;
-            let margin = simulated.pass(view).surface.dose_margin(&simulated.model)?.unwrap_or_default();
-            let usual = data.whitened(&margin);
-            let slope = |change: &Vec<f64>| -> Vec<f64> {
-                let more: Vec<f64> = margin.iter().zip(change).map(|(dose, d)| dose + CURVE_MASK_STEP * d).collect();
-                data.whitened(&more).iter().zip(&usual).map(|(more, usual)| (more - usual) / CURVE_MASK_STEP).collect()
-            };
-            changes.iter().map(slope).collect()
-        }
-    };
+    let predicted = exposures.simulated.predicted(view);
+    let columns: Vec<Vec<f64>> = changes.iter().map(|change| view.data.response(predicted, change)).collect();
     Ok(DMatrix::from_fn(view.data.tiles().len(), over.knots.len(), |tile, knot| columns[knot][tile]))
 }
 

@@ -113,7 +113,7 @@ pub fn propose(
 ) -> Result<Option<Proposal>, EvidenceError> {
     let agreement = |split| evidence.agreement(&fit.model, split);
     let mut before = [agreement(Split::Calibration)?, agreement(Split::Evaluation)?];
-    let mut errors = vec![error(evidence, "without it", &before)];
+    let mut errors = vec![error("without it", &before)];
     let mut terms: Vec<Term> = Vec::new();
     while terms.len() < FORM_TERMS {
         let term = match terms.last() {
@@ -123,7 +123,7 @@ pub fn propose(
             }
         };
         let Some(term) = term else { break };
-        errors.push(error(evidence, &format!("+ {}", term.fitted.form.name()), &term.agreement));
+        errors.push(error(&format!("+ {}", term.fitted.form.name()), &term.agreement));
         before.clone_from(&term.agreement);
         let is_open = term.is_open;
         terms.push(term);
@@ -199,7 +199,7 @@ impl Weighed {
 fn proposal(evidence: &dyn Evidence, base: &Fit, terms: Vec<Term>, errors: Vec<WaterfallStep>) -> Proposal {
     let last = &terms[terms.len() - 1].fitted;
     let (fit, model) = (last.fit.clone(), last.model().to_text(&last.library));
-    let known = told(evidence, &errors);
+    let known = fall_of_error(evidence.unit(), &errors);
     let (mut forms, mut files) = (Vec::new(), Vec::new());
     for Term { fitted, curve, all, .. } in terms {
         let mut form = fitted.form;
@@ -230,22 +230,21 @@ fn proposal(evidence: &dyn Evidence, base: &Fit, terms: Vec<Term>, errors: Vec<W
 }
 
 /// Errors of a model, as a step of the waterfall.
-fn error(evidence: &dyn Evidence, step: &str, [seen, held_out]: &[Vec<Agreement>; 2]) -> WaterfallStep {
-    let mean = |of: &[Agreement]| evidence.unit().per_one() * rms(of, |a| a.rms);
+fn error(step: &str, [seen, held_out]: &[Vec<Agreement>; 2]) -> WaterfallStep {
+    let mean = |of: &[Agreement]| rms(of, |a| a.rms);
     WaterfallStep {
         step: step.to_owned(),
-        calibration_rms_um: mean(seen),
-        evaluation_rms_um: (!held_out.is_empty()).then(|| mean(held_out)),
+        calibration_rms: mean(seen),
+        evaluation_rms: (!held_out.is_empty()).then(|| mean(held_out)),
     }
 }
 
 /// The fall of the error, in words.
-fn told(evidence: &dyn Evidence, errors: &[WaterfallStep]) -> String {
-    let symbol = evidence.unit().symbol();
+fn fall_of_error(unit: ErrorUnit, errors: &[WaterfallStep]) -> String {
     let (before, after) = (&errors[0], &errors[errors.len() - 1]);
-    match (before.evaluation_rms_um, after.evaluation_rms_um) {
-        (Some(before), Some(after)) => format!("held out {before:.2}, then {after:.2} {symbol}"),
-        _ => format!("error {:.2}, then {:.2} {symbol}", before.calibration_rms_um, after.calibration_rms_um),
+    match (before.evaluation_rms, after.evaluation_rms) {
+        (Some(before), Some(after)) => format!("held out {}, then {}", unit.shown(before), unit.shown(after)),
+        _ => format!("error {}, then {}", unit.shown(before.calibration_rms), unit.shown(after.calibration_rms)),
     }
 }
 

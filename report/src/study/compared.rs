@@ -4,8 +4,9 @@ use super::number::{fixed_cell, percent, share_cell, significant};
 use super::waterfall::VOLUME;
 use super::words::{list, role};
 use crate::{Cell, Page, Table, escape, exact};
+use lab::Verdict;
 use study::with_raised_powers;
-use study::{Compared, Stated, StudyReport, Verdict};
+use study::{Compared, Conclusion, Stated, StudyReport};
 use study::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
 
 /// Angular speed of 1 rpm [rad/s].
@@ -13,7 +14,7 @@ const RPM: f64 = std::f64::consts::TAU / 60.0;
 
 /// Appends the verdict and the key figures.
 pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
-    let (word, means) = (report.verdict.word(), meaning(report.verdict));
+    let (word, means) = (report.conclusion.word(), meaning(report.conclusion));
     page.block(&format!(
         "<section class=\"verdict {word}\" id=\"verdict\"><p class=\"word\">{word}</p>\n<p class=\"sentence\">{}</p>\n<p class=\"means\">{means}</p></section>\n",
         escape(&with_raised_powers(&report.sentence))
@@ -21,7 +22,22 @@ pub(super) fn add_verdict(page: &mut Page, report: &StudyReport) {
     page.block(&glance(&report.waterfall));
 }
 
-fn meaning(verdict: Verdict) -> &'static str {
+fn meaning(conclusion: Conclusion) -> &'static str {
+    match conclusion {
+        Conclusion::Searched(verdict) => meaning_of_search(verdict),
+        Conclusion::Calibrated => "A diagnosis shows whether anything is missing, and what.",
+        Conclusion::Better => "One of two models is better, by the difference of their errors, block by block.",
+        Conclusion::NotBetter => {
+            "The difference of the two models' errors, block by block, does not favour the second."
+        }
+        Conclusion::Agrees => "The model was compared as it is; nothing was fitted.",
+        Conclusion::Differs => {
+            "The model was compared as it is; see below where it fails, and <code>robofin diagnose</code> for why."
+        }
+    }
+}
+
+fn meaning_of_search(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Identified => "One effect explains what the base law misses, and held-out passes confirm it.",
         Verdict::Ambiguous => "Several effects explain it equally well; these passes cannot distinguish them.",
@@ -32,13 +48,6 @@ fn meaning(verdict: Verdict) -> &'static str {
             "The model agrees with the measurement within its noise; see below what would have shown."
         }
         Verdict::NotTestable => "These passes cannot show what was asked.",
-        Verdict::Calibrated => "A diagnosis shows whether anything is missing, and what.",
-        Verdict::Better => "One of two models is better, by the difference of their errors, block by block.",
-        Verdict::NotBetter => "The difference of the two models' errors, block by block, does not favour the second.",
-        Verdict::Agrees => "The model was compared as it is; nothing was fitted.",
-        Verdict::Differs => {
-            "The model was compared as it is; see below where it fails, and <code>robofin diagnose</code> for why."
-        }
     }
 }
 

@@ -26,7 +26,7 @@ pub use story::{Sealed, story};
 use crate::Page;
 use crate::page::STYLE as OF_PAGES;
 use serde::{Deserialize, Serialize};
-use study::{StudyReport, Verdict};
+use study::{Conclusion, StudyReport};
 
 /// Style sheets of a report: that of every page, then that of the report.
 pub const STYLE: [&str; 2] = [OF_PAGES, include_str!("style.css")];
@@ -63,7 +63,7 @@ impl Sections {
                 compared::add_volumes(page, &report.volumes);
                 add_residuals(page, report);
             }),
-            parameters: drawn(&|page| parameters::add(page, &report.parameters, report.correlations.as_ref())),
+            parameters: drawn(&|page| parameters::add(page, &report.parameters, &report.correlations)),
             method: drawn(&|page| compared::add_method(page, &report.compared)),
         }
     }
@@ -83,14 +83,11 @@ pub fn page(report: &StudyReport) -> String {
     waterfall::add(&mut page, &report.waterfall);
     compared::add_volumes(&mut page, &report.volumes);
     add_residuals(&mut page, report);
-    let is_diagnosed = !matches!(
-        report.verdict,
-        Verdict::Calibrated | Verdict::Agrees | Verdict::Differs | Verdict::Better | Verdict::NotBetter
-    );
+    let is_diagnosed = matches!(report.conclusion, Conclusion::Searched(_));
     if is_diagnosed {
-        suspects::add(&mut page, &report.suspects, &report.waterfall.misfit);
+        suspects::add(&mut page, report);
     }
-    parameters::add(&mut page, &report.parameters, report.correlations.as_ref());
+    parameters::add(&mut page, &report.parameters, &report.correlations);
     outlook::add_detectable(&mut page, &report.detectable);
     if let Some(proposal) = &report.proposal {
         proposal::add(&mut page, proposal);

@@ -3,7 +3,8 @@
 use super::number::{cell, percent, significant};
 use super::words::list;
 use crate::{Cell, Page, Table};
-use study::{Detectable, MenuRow, ParameterEstimate, StudyReport, Verdict};
+use lab::{Detectable, MenuChoice, MenuLine, NextTrial, ParameterState, ParameterSummary, Sides, Verdict, Worth};
+use study::{Conclusion, StudyReport, with_raised_powers};
 
 /// Appends the detectable size of each effect.
 pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
@@ -14,25 +15,29 @@ pub(super) fn add_detectable(page: &mut Page, detectable: &[Detectable]) {
     page.paragraph(
         "The least size of each effect that would have been found, at 5 % error over all effects and 80 % power. What is smaller may be present.",
     );
-    let mut table = Table::new(
-        "Detectable sizes",
-        &["effect", "parameter", "least size", "typical", "unit", "its map, rms [µm]", "remark"],
-    );
+    let mut table = Table::new("Detectable sizes", &["effect", "parameter", "least size", "unit", "remark"]);
     for row in detectable {
-        let si = row.unit.si_per_unit;
         let size =
-            if row.size.is_some() { cell(row.size, si, 3) } else { Cell::number("none shows".to_owned(), f64::NAN) };
+            if row.size.is_some() { cell(row.size, 1.0, 3) } else { Cell::number("none shows".to_owned(), f64::NAN) };
         table.rows.push(vec![
-            Cell::text(&row.name),
+            Cell::text(&row.effect),
             Cell::text(&row.parameter),
             size,
-            cell(row.typical, si, 3),
-            Cell::text(&row.unit.unit),
-            cell(row.map_rms, 1e-6, 3),
-            Cell::text(&row.note),
+            Cell::text(with_raised_powers(&row.unit)),
+            Cell::text(limits(row)),
         ]);
     }
     page.block(&table.without_empty_columns().to_html());
+}
+
+/// Conditions under which a size is detectable, in words.
+fn limits(row: &Detectable) -> &'static str {
+    match (row.testable, row.sides) {
+        (false, _) => "not testable with these passes",
+        (true, Sides::All) => "",
+        (true, Sides::Above) => "only above its null",
+        (true, Sides::Below) => "only below its null",
+    }
 }
 
 /// Appends the next trial.
@@ -42,43 +47,56 @@ pub(super) fn add_next(page: &mut Page, report: &StudyReport) {
         return page.paragraph(&worth_of_another(report));
     };
     page.paragraph(&next.summary);
-    if !next.steps.is_empty() {
-        page.facts(&next.steps);
+    let settings =
+        [("force", &next.force_n, "N"), ("feed", &next.feed_mm_s, "mm/s"), ("spindle speed", &next.spindle_rpm, "rpm")];
+    let known = settings.iter().filter(|(_, values, _)| !values.is_empty());
+    let settings: Vec<_> = known.map(|(name, values, unit)| (*name, format!("{} {unit}", listed(values)))).collect();
+    if !settings.is_empty() {
+        page.facts(&settings);
     }
-    if let Some(probability) = next.probability_right {
-        let html = format!(
-            "<p data-value=\"{}\">Probability that it names the right one: <b>{}</b>.</p>\n",
-            crate::exact(probability),
-            percent(probability)
-        );
-        page.block(&html);
-    }
-    add_menu(page, &next.menu);
-    for (heading, items) in [("It would settle", &next.settles), ("It would leave open", &next.leaves_open)] {
-        if !items.is_empty() {
-            page.block(&format!("<h3>{heading}</h3>\n{}", list(items)));
+    let question = match &next.separates[..] {
+        [tested] => format!("Whether {tested} predicts passes that no fit has seen."),
+        rivals => {
+            let probability = next.probability_right;
+            page.block(&format!(
+                "<p data-value=\"{}\">Probability that it names the right one: <b>{}</b>.</p>\n",
+                crate::exact(probability),
+                percent(probability)
+            ));
+            format!("Whether it is {}.", rivals.join(" or "))
         }
+    };
+    if let Some(choice) = &next.choice {
+        add_menu(page, next, choice);
     }
+    page.block(&format!("<h3>It would settle</h3>\n{}", list(&[question])));
+}
+
+/// Formats the settings of several passes.
+fn listed(values: &[f64]) -> String {
+    let shown = |value: &f64| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    values.iter().map(shown).collect::<Vec<_>>().join(", ")
 }
 
 /// Appends the best trials of the menu, with their costs and expected information.
-fn add_menu(page: &mut Page, menu: &[MenuRow]) {
-    if menu.is_empty() {
-        return;
-    }
+fn add_menu(page: &mut Page, next: &NextTrial, choice: &MenuChoice) {
     let headings = ["place", "trial", "time [min]", "workpieces", "information [nat]", "per hour [nat]"];
     let mut table = Table::new("The best trials of the menu", &headings);
-    for row in menu {
-        let number = |value: f64, digits: usize| Cell::number(significant(value, digits), value);
+    let mut add = |place: &str, summary: &str, worth: &Worth| {
+        let number = |value: f64| Cell::number(significant(value, 3), value);
         table.rows.push(vec![
-            Cell::text(&row.place),
-            Cell::text(&row.summary),
-            number(row.minutes, 3),
-            Cell::number(row.workpieces.to_string(), row.workpieces as f64),
-            number(row.information, 3),
-            number(60.0 * row.information_per_minute, 3),
+            Cell::text(place),
+            Cell::text(summary),
+            number(worth.minutes),
+            Cell::number(worth.workpieces.to_string(), worth.workpieces as f64),
+            number(worth.expected_information_nats),
+            number(60.0 * worth.nats_per_minute),
         ]);
-    }
+    };
+    add("1", &next.summary, &choice.worth);
+    let runners_up = (2..).zip(&choice.runners_up).map(|(place, line): (usize, &MenuLine)| (place.to_string(), line));
+    let then = choice.then.iter().map(|line| ("after 1".to_owned(), line));
+    runners_up.chain(then).for_each(|(place, line)| add(&place, &line.summary, &line.worth));
     page.block(&table.to_html());
     page.paragraph(
         "Time counts set-up, scans, dressing and passes, by the assumptions that the documents list. Information is the least \
@@ -88,7 +106,7 @@ fn add_menu(page: &mut Page, menu: &[MenuRow]) {
 
 /// Describes the benefit of another trial if no two effects have to be distinguished.
 fn worth_of_another(report: &StudyReport) -> String {
-    let open = |parameter: &&ParameterEstimate| !parameter.fixed && !parameter.identifiable;
+    let open = |parameter: &&ParameterSummary| parameter.state == ParameterState::NotIdentifiable;
     let open: Vec<&str> = report.parameters.iter().filter(open).map(|parameter| parameter.name.as_str()).collect();
     let open = match &open[..] {
         [] => String::new(),
@@ -97,17 +115,17 @@ fn worth_of_another(report: &StudyReport) -> String {
         }
     };
     // The standard error of a mean falls with the square root of the number of measurements.
-    let buys = match report.verdict {
-        Verdict::Identified => {
+    let buys = match report.conclusion {
+        Conclusion::Searched(Verdict::Identified) => {
             "One effect is left, so no trial has to separate two. The same passes on another workpiece would make the intervals of its parameters about 0.7 times as wide."
         }
-        Verdict::Hint => {
+        Conclusion::Searched(Verdict::Hint) => {
             "One effect shows, so no trial has to separate two. Passes in which it is stronger, longer ones or such at other forces and speeds, would make sure of it."
         }
-        Verdict::NothingMissing => {
+        Conclusion::Searched(Verdict::NothingMissing) => {
             "Nothing is missing, so no trial has to separate two effects. The same passes on another workpiece would make the least detectable sizes about 0.7 times as large."
         }
-        Verdict::NotTestable => {
+        Conclusion::Searched(Verdict::NotTestable) => {
             "These passes leave no two effects to separate. Passes at other forces, feeds and spindle speeds would \
              make more of them detectable."
         }

@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use super::number::{cell, fixed};
 use crate::{Cell, Page, Table, escape, exact};
-use study::{Correlations, ParameterEstimate};
+use lab::{Correlation, ParameterSummary};
+use study::with_raised_powers;
 
 /// Absolute correlation from which a cell is emphasised.
 const STRONG: f64 = 0.9;
 
 /// Appends parameters and correlations.
-pub(super) fn add(page: &mut Page, parameters: &[ParameterEstimate], correlations: Option<&Correlations>) {
+pub(super) fn add(page: &mut Page, parameters: &[ParameterSummary], correlations: &[Correlation]) {
     if parameters.is_empty() {
         return;
     }
@@ -19,43 +20,37 @@ pub(super) fn add(page: &mut Page, parameters: &[ParameterEstimate], correlation
         Table::new("Values with 95 % intervals", &["parameter", "value", "95 % from", "to", "unit", "remark"]);
     table.rows = parameters.iter().map(row).collect();
     page.block(&table.to_html());
-    if let Some(correlations) = correlations.filter(|correlations| correlations.names.len() > 1) {
-        page.block(&matrix(correlations));
+    if !correlations.is_empty() {
+        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        page.block(&matrix(&names, correlations));
     }
 }
 
-fn row(parameter: &ParameterEstimate) -> Vec<Cell> {
-    let si = parameter.unit.si_per_unit;
-    let end = |k: usize| cell(parameter.interval.map(|interval| interval[k]), si, 4);
+fn row(parameter: &ParameterSummary) -> Vec<Cell> {
+    let end = |k: usize| cell(parameter.interval.map(|interval| interval[k]), 1.0, 4);
     vec![
         Cell::text(&parameter.name),
-        cell(Some(parameter.value), si, 4),
+        cell(Some(parameter.value), 1.0, 4),
         end(0),
         end(1),
-        Cell::text(&parameter.unit.unit),
-        Cell::text(remark(parameter)),
+        Cell::text(with_raised_powers(&parameter.unit)),
+        Cell::text(parameter.state.words().unwrap_or_default()),
     ]
 }
 
-fn remark(parameter: &ParameterEstimate) -> String {
-    let remarks = [
-        (parameter.fixed, "held fixed"),
-        (parameter.on_bound, "on a bound"),
-        (!parameter.identifiable && !parameter.fixed, "not identifiable"),
-    ];
-    let remarks: Vec<&str> = remarks.iter().filter(|(holds, _)| *holds).map(|(_, words)| *words).collect();
-    remarks.join(", ")
-}
-
 /// Draws the lower triangle of the correlations; rows are numbered to keep columns narrow.
-fn matrix(correlations: &Correlations) -> String {
-    let count = correlations.names.len();
+fn matrix(names: &[&str], correlations: &[Correlation]) -> String {
+    let count = names.len();
+    let value = |a: &str, b: &str| {
+        let same = |pair: &&Correlation| pair.between == [a, b] || pair.between == [b, a];
+        correlations.iter().find(same).and_then(|pair| pair.value).unwrap_or(f64::NAN)
+    };
     let heads: String = (1..count).map(|k| format!("<th scope=\"col\" class=\"n\">{k}</th>")).collect();
     let mut rows = String::new();
-    for (i, name) in correlations.names.iter().enumerate() {
+    for (i, name) in names.iter().enumerate() {
         let _ = write!(rows, "<tr><th scope=\"row\">{} {}</th>", i + 1, escape(name));
-        for j in 0..count - 1 {
-            let value = correlations.values[i * count + j];
+        for (j, other) in names[..count - 1].iter().enumerate() {
+            let value = value(name, other);
             let strong = if value.abs() >= STRONG { " strong" } else { "" };
             let _ = match (j < i, value.is_finite()) {
                 (true, true) => {

@@ -34,10 +34,11 @@ pub(super) fn add(page: &mut Page, proposal: &Proposal) {
 
 /// Returns a sentence with the error after each step of the proposal.
 fn fall(proposal: &Proposal) -> String {
-    let symbol = proposal.error_unit.symbol();
-    let all = |errors: Vec<f64>| errors.iter().map(|error| significant(*error, 3)).collect::<Vec<_>>().join(", then ");
-    let seen = all(proposal.errors.iter().map(|step| step.calibration_rms_um).collect());
-    let held_out: Option<Vec<f64>> = proposal.errors.iter().map(|step| step.evaluation_rms_um).collect();
+    let (symbol, per_one) = (proposal.error_unit.symbol(), proposal.error_unit.per_one());
+    let shown = |error: &f64| significant(error * per_one, 3);
+    let all = |errors: Vec<f64>| errors.iter().map(shown).collect::<Vec<_>>().join(", then ");
+    let seen = all(proposal.errors.iter().map(|step| step.calibration_rms).collect());
+    let held_out: Option<Vec<f64>> = proposal.errors.iter().map(|step| step.evaluation_rms).collect();
     let held_out =
         held_out.map_or(String::new(), |errors| format!("; that of the evaluation passes {} {symbol}", all(errors)));
     format!("The error of the calibration passes is {seen} {symbol}{held_out}.")

@@ -7,8 +7,9 @@ use super::colour_scale::{ColourScale, css};
 use super::number::percent;
 use super::waterfall;
 use crate::escape;
+use lab::EffectSummary;
+use study::StudyReport;
 use study::{HeightMaps, Maps, ScanComparison};
-use study::{StudyReport, Suspect};
 use trials::trial::Role;
 
 const WIDTH: f64 = 1000.0;
@@ -180,12 +181,11 @@ fn legend(svg: &mut String, scale: &ColourScale, (x, y): (f64, f64)) {
     text(svg, (x, y + 24.0), (11.0, PALE), "measured − simulated: orange was left over, blue was taken off too much");
 }
 
-fn add_suspects(svg: &mut String, suspects: &[Suspect], (x, y): (f64, f64)) {
-    let fitted: Vec<&Suspect> = suspects.iter().filter(|suspect| suspect.delta_chi2.is_some()).collect();
-    if fitted.is_empty() {
+fn add_suspects(svg: &mut String, suspects: &[EffectSummary], (x, y): (f64, f64)) {
+    if suspects.is_empty() {
         return text(svg, (x, y + 20.0), (13.0, PALE), "no effect is significant");
     }
-    for (k, suspect) in fitted.iter().take(SUSPECTS).enumerate() {
+    for (k, suspect) in suspects.iter().take(SUSPECTS).enumerate() {
         let top = y + 40.0 * k as f64;
         let probability = if suspect.probability.is_finite() { suspect.probability } else { 0.0 };
         text(svg, (x, top + 12.0), (13.0, INK), &suspect.name);

@@ -2,12 +2,11 @@
 
 use super::number::{cell, p_value, percent, significant};
 use crate::{Cell, Page, Table, escape};
-use study::Misfit;
-use study::with_raised_powers;
-use study::{Suspect, TestOfMissing};
+use lab::{EffectSummary, StructureTest, Unfitted};
+use study::{StudyReport, with_raised_powers};
 
 /// Appends the tests of the base model's residual.
-pub(super) fn add_tests(page: &mut Page, tests: &[TestOfMissing]) {
+pub(super) fn add_tests(page: &mut Page, tests: &[StructureTest]) {
     if tests.is_empty() {
         return;
     }
@@ -28,9 +27,10 @@ pub(super) fn add_tests(page: &mut Page, tests: &[TestOfMissing]) {
 }
 
 /// Appends the table of suspects and a sentence for each.
-pub(super) fn add(page: &mut Page, suspects: &[Suspect], misfit: &Misfit) {
+pub(super) fn add(page: &mut Page, report: &StudyReport) {
+    let (fitted, unfitted, misfit) = (&report.suspects, &report.unfitted, &report.waterfall.misfit);
     page.part("suspects", "Suspects");
-    if suspects.is_empty() {
+    if fitted.is_empty() && unfitted.is_empty() {
         return page.paragraph("No effect was scored.");
     }
     let unit = &misfit.unit.unit;
@@ -41,29 +41,53 @@ pub(super) fn add(page: &mut Page, suspects: &[Suspect], misfit: &Misfit) {
     );
     table.headings[4] = format!("evaluation before [{unit}]");
     table.headings[5] = format!("after [{unit}]");
-    table.rows = suspects.iter().map(|suspect| row(suspect, misfit)).collect();
+    table.rows = fitted.iter().map(|one| row(one, misfit.unit.si_per_unit)).chain(unfitted.iter().map(bare)).collect();
     page.block(&table.to_html());
-    let note = |suspect: &Suspect| {
-        let words = escape(&with_raised_powers(&suspect.note));
-        format!("<dt><code>{}</code></dt><dd>{words}</dd>\n", escape(&suspect.name))
+    let note = |(name, words): (&str, String)| {
+        format!("<dt><code>{}</code></dt><dd>{}</dd>\n", escape(name), escape(&with_raised_powers(&words)))
     };
-    let notes: String = suspects.iter().filter(|suspect| !suspect.note.is_empty()).map(note).collect();
-    if !notes.is_empty() {
-        page.subsection("Why each is in or out");
-        page.block(&format!("<dl>\n{notes}</dl>\n"));
-    }
+    let notes: String = reasons(fitted, unfitted).into_iter().map(note).collect();
+    page.subsection("Why each is in or out");
+    page.block(&format!("<dl>\n{notes}</dl>\n"));
 }
 
-fn row(suspect: &Suspect, misfit: &Misfit) -> Vec<Cell> {
-    let si = misfit.unit.si_per_unit;
-    let look_alikes = if suspect.look_alikes.is_empty() { "none".to_owned() } else { suspect.look_alikes.join(", ") };
+fn row(suspect: &EffectSummary, si: f64) -> Vec<Cell> {
+    let indistinguishable = &suspect.indistinguishable_from;
     vec![
         Cell::text(&suspect.name),
         Cell::text(&suspect.title),
         Cell::number(percent(suspect.probability), suspect.probability),
-        cell(suspect.delta_chi2, 1.0, 3),
-        cell(suspect.evaluation_before, si, 3),
-        cell(suspect.evaluation_after, si, 3),
-        Cell::text(look_alikes),
+        cell(Some(suspect.delta_chi2), 1.0, 3),
+        cell(suspect.evaluation_rms_before, si, 3),
+        cell(suspect.evaluation_rms_after, si, 3),
+        Cell::text(if indistinguishable.is_empty() { "none".to_owned() } else { indistinguishable.join(", ") }),
     ]
+}
+
+fn bare(one: &Unfitted) -> Vec<Cell> {
+    let absent = [Cell::absent(), Cell::absent(), Cell::absent(), Cell::text("none")];
+    let known = [Cell::text(&one.name), Cell::text(&one.title), Cell::number(percent(0.0), 0.0)];
+    known.into_iter().chain(absent).collect()
+}
+
+/// The reason for or against each effect, fitted ones first.
+fn reasons<'a>(fitted: &'a [EffectSummary], unfitted: &'a [Unfitted]) -> Vec<(&'a str, String)> {
+    let searches = fitted.iter().map(|suspect| suspect.search).max().unwrap_or(0);
+    let of_search = |search| if searches > 1 { format!("Search {search} of {searches}. ") } else { String::new() };
+    let ranked = fitted.chunk_by(|a, b| a.search == b.search).flat_map(|search| search.iter().enumerate());
+    let weighed = ranked.map(|(rank, one)| (one.name.as_str(), of_search(one.search) + &reason(one, rank)));
+    let left = unfitted.iter().map(|one| (one.name.as_str(), format!("{}Out: {}.", of_search(one.search), one.reason)));
+    weighed.chain(left).collect()
+}
+
+/// - `rank`: rank in its search by probability, from 0
+fn reason(suspect: &EffectSummary, rank: usize) -> String {
+    match (&suspect.ruled_out, &suspect.indistinguishable_from[..]) {
+        (Some(reason), _) => format!("Out: {reason}."),
+        (None, []) if rank == 0 => "In: the most probable one.".to_owned(),
+        (None, []) => "In: the data do not decide between it and the most probable one.".to_owned(),
+        (None, alike) => {
+            format!("In: the most probable one, which these data cannot distinguish from {}.", alike.join(", "))
+        }
+    }
 }

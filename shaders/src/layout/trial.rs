@@ -76,7 +76,7 @@ shared_struct! {
         /// Distance of the tool in a step [voxels].
         step_way: f32,
         /// Distance of the tool on a height field [voxels].
-        commit_way: f32,
+        write_back_way: f32,
         /// Search range for the tool's travel above and below its path [voxels].
         search_reach: f32,
         /// Thickness of the coating [m].
@@ -164,7 +164,7 @@ shared_struct! {
         /// Number of layers to reinitialise.
         layers: u32,
         /// 1 if a height field was read.
-        has_sheet: u32,
+        has_height_field: u32,
         /// Axis of the field along which columns run.
         axis: u32,
         /// Which way is up: 1 or -1.

@@ -1,6 +1,6 @@
-// What a step did to the squares, and its sums; twin of scheme/contact_integrals.rs and of Scheme::apply.
+// What a step did to the cells, and its sums; twin of scheme/contact_integrals.rs and of Scheme::apply.
 
-// Height of the parabola's peak above the column, if it is in the square.
+// Height of the parabola's peak above the column, if it is in the cell.
 fn peak_rise(d: Difference) -> f32 {
     let inside = d.bend < 0.0 && abs(d.mean) <= -0.5 * d.bend * (1.0 + 1e-6);
     return select(0.0, -0.5 * d.mean * d.mean / d.bend, inside);
@@ -14,14 +14,14 @@ fn top(line: u32, depths: u32) -> f32 {
     return depth + peak_rise(along) + peak_rise(sideways);
 }
 
-// Mean share of a square in contact.
+// Mean share of a cell in contact.
 fn mean_share(line: u32) -> f32 {
-    let end = end_square(line).share;
-    return select(0.5 * (start_square(line).share + end), end, state.whole_step == 1u);
+    let end = end_cell(line).share;
+    return select(0.5 * (start_cell(line).share + end), end, state.whole_step == 1u);
 }
 
-// Dose that a square takes up in the step, and for a step that is its middle, nothing else.
-fn dose_gain(line: u32, start: Square, end: Square, middle: Pose) -> f32 {
+// Dose that a cell takes up in the step, and for a step that is its middle, nothing else.
+fn dose_gain(line: u32, start: Cell, end: Cell, middle: Pose) -> f32 {
     if setup.sands == 0u {
         return 0.0;
     }
@@ -34,10 +34,10 @@ fn dose_gain(line: u32, start: Square, end: Square, middle: Pose) -> f32 {
     return 0.5 * dt * (sanded(lane, wet_depth(start), column_value(PRESSURE_START, line)) * start.share + at_end);
 }
 
-// Completes a square and adds it to the sums of the step.
+// Completes a cell and adds it to the sums of the step.
 fn complete(line: u32, middle: Pose) {
-    let start = start_square(line);
-    let end = end_square(line);
+    let start = start_cell(line);
+    let end = end_cell(line);
     set_column(DOSE_GAIN, line, 0.0);
     if start.share + end.share == 0.0 {
         return;
@@ -47,15 +47,15 @@ fn complete(line: u32, middle: Pose) {
     let gain = dose_gain(line, start, end, middle);
     set_column(DOSE_GAIN, line, gain);
     let ratio = area_ratio(line);
-    let square = voxel * voxel;
-    let facing = square * approach_share(line, middle.approach);
+    let cell_area = voxel * voxel;
+    let facing = cell_area * approach_share(line, middle.approach);
     let load = column_value(MEAN_LOAD, line);
     let recession = column_value(RECESSION, line);
     totals[SUM_FORCE] += load * facing;
-    totals[SUM_LOAD] += load * square * ratio;
+    totals[SUM_LOAD] += load * cell_area * ratio;
     totals[SUM_AREA] += select(0.5 * (start.area + end.area), end.area, whole) * facing;
-    totals[SUM_VOLUME] += recession * voxel * square * ratio;
-    totals[SUM_COATING] += min(gain, max(1.0 - column_value(DOSE, line), 0.0)) * setup.coating * square * ratio;
+    totals[SUM_VOLUME] += recession * voxel * cell_area * ratio;
+    totals[SUM_COATING] += min(gain, max(1.0 - column_value(DOSE, line), 0.0)) * setup.coating * cell_area * ratio;
     complete_maxima(line, middle, ratio, recession);
     if whole {
         add_pressure(line, end, end_array(END_DEPTH), column_value(PRESSURE_END, line));
@@ -64,10 +64,10 @@ fn complete(line: u32, middle: Pose) {
     }
 }
 
-// The pressure belongs to the square's mean depth; its middle may be deeper.
-fn add_pressure(line: u32, square: Square, depths: u32, pressure: f32) {
-    if square.share > 0.0 {
-        let peak = max(top(line, depths) / wet_depth(square), 1.0);
+// The pressure belongs to the cell's mean depth; its middle may be deeper.
+fn add_pressure(line: u32, cell: Cell, depths: u32, pressure: f32) {
+    if cell.share > 0.0 {
+        let peak = max(top(line, depths) / wet_depth(cell), 1.0);
         maxima[MAX_PRESSURE] = max(maxima[MAX_PRESSURE], pressure * peak);
     }
 }
@@ -84,7 +84,7 @@ fn complete_maxima(line: u32, middle: Pose, ratio: f32, recession: f32) {
     }
 }
 
-// Sums over the squares under one tool cell, as means over its contact; twin of CellSums.
+// Sums over the cells under one tool cell, as means over its contact; twin of CellSums.
 fn sum_cell(cell: u32, middle: Pose) {
     let voxel = setup.voxel;
     let dt = state.dt;
@@ -118,10 +118,10 @@ fn sum_cell(cell: u32, middle: Pose) {
     }
 }
 
-// Applies the step to a square; the next one may go on from its end.
+// Applies the step to a cell; the next one may go on from its end.
 fn apply(line: u32) {
-    let start = start_square(line);
-    let end = end_square(line);
+    let start = start_cell(line);
+    let end = end_cell(line);
     if start.share + end.share == 0.0 {
         return;
     }
@@ -132,7 +132,7 @@ fn apply(line: u32) {
     if setup.grinds == 1u {
         let side = end_array(END_DEPTH);
         let left = end.mean - recession;
-        // The height of a square that the tool's border crosses is the mean of groove and wall.
+        // The height of a cell that the tool's border crosses is the mean of groove and side face.
         let cover = select(1.0, end.cover, end.share > 0.0);
         set_column(side, line, column_value(side, line) - recession / cover);
         set_column(end_array(END_MEAN), line, max(left, 0.0));

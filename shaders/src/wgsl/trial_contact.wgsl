@@ -1,14 +1,14 @@
-// The contact patch in the squares around the columns; twin of contact.rs. All lengths in voxels.
+// The contact patch in the cells around the columns; twin of contact.rs. All lengths in voxels.
 
-// Depth, share and area of a square, and the share of it under the working surface, wet or dry.
-struct Square {
+// Depth, share and area of a cell, and the share of it under the working surface, wet or dry.
+struct Cell {
     mean: f32,
     share: f32,
     area: f32,
     cover: f32,
 }
 
-// First and second difference of the depth across a square.
+// First and second difference of the depth across a cell.
 struct Difference {
     mean: f32,
     bend: f32,
@@ -36,18 +36,18 @@ fn tool_depth(at: vec3f) -> f32 {
     return round - 0.5 * setup.tool_crown * at.y * at.y;
 }
 
-// How much of a square lies under the working surface in a sweep, and the mean time at which it does [sweeps from its middle].
+// How much of a cell lies under the working surface in a sweep, and the mean time at which it does [sweeps from its middle].
 struct Cover {
     share: f32,
     lag: f32,
 }
 
-// Spans of a square with a sweep on either side of its middle.
+// Spans of a cell with a sweep on either side of its middle.
 fn swept_spans(spans: vec2f, swept: f32) -> vec2f {
     return select(vec2f(length(spans), swept), spans, swept == 0.0);
 }
 
-// Cover of a square within a border at a distance from its middle, which is crossed `inward`.
+// Cover of a cell within a border at a distance from its middle, which is crossed `inward`.
 fn cover_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> Cover {
     let slope = slope_of(line);
     let swept = 0.5 * dot(sweep, inward);
@@ -59,7 +59,7 @@ fn cover_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> Cover {
     return Cover(share, -0.5 * (1.0 - share) * swept / length(vec2f(spans.x, swept)));
 }
 
-// Cover of a square over the sweep [u, v, up].
+// Cover of a cell over the sweep [u, v, up].
 fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> Cover {
     if setup.tool == TOOL_SPHERE {
         return Cover(1.0, 0.0);
@@ -82,7 +82,7 @@ fn sinking(pose: Pose, sweep: vec3f) -> f32 {
     return select(0.0, -dot(pose.z, sweep), setup.tool == TOOL_PAD);
 }
 
-// Mean along the rim of what the depth's curvature adds to the linear depth across a square.
+// Mean along the rim of what the depth's curvature adds to the linear depth across a cell.
 fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
     if steepness == 0.0 {
@@ -97,9 +97,9 @@ fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     return 0.5 * (along.bend * (a * off + b * spread) + sideways.bend * (b * off + a * spread));
 }
 
-// Mean depth, share and area of a square that the patch's rim crosses, over a sweep in which the tool sinks in by `sunk` on
+// Mean depth, share and area of a cell that the patch's rim crosses, over a sweep in which the tool sinks in by `sunk` on
 // either side of its middle.
-fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Difference) -> Square {
+fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Difference) -> Cell {
     let spans = swept_spans(own, sunk);
     let share = wet_share(depth, spans);
     let dry = 0.5 - share;
@@ -110,12 +110,12 @@ fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Di
     if share < 1.0 {
         area = wet_share(depth + bend_at_rim(depth, along, sideways), spans);
     }
-    return Square(ramp_mean(depth, spans) + bent, share, area, 1.0);
+    return Cell(ramp_mean(depth, spans) + bent, share, area, 1.0);
 }
 
-// A square whose depths at the column and around it are in `depths`.
-fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
-    let dry = Square(0.0, 0.0, 0.0, 0.0);
+// A cell whose depths at the column and around it are in `depths`.
+fn cell_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Cell {
+    let dry = Cell(0.0, 0.0, 0.0, 0.0);
     let middle = column_value(depths, line);
     let sinks = sinking(pose, sweep);
     let sunk = 0.5 * abs(sinks);
@@ -134,13 +134,13 @@ fn square_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Square {
     if covered.share == 0.0 || depth <= -most {
         return dry;
     }
-    var square = Square(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0, 1.0);
+    var cell = Cell(depth + (along.bend + sideways.bend) / 24.0, 1.0, 1.0, 1.0);
     if depth < most {
-        square = partly_wet(depth, spans, sunk, along, sideways);
+        cell = partly_wet(depth, spans, sunk, along, sideways);
     }
-    if square.mean <= 0.0 {
+    if cell.mean <= 0.0 {
         return dry;
     }
     let share = covered.share;
-    return Square(share * square.mean, share * square.share, share * square.area, share);
+    return Cell(share * cell.mean, share * cell.share, share * cell.area, share);
 }

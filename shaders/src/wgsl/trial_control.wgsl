@@ -1,7 +1,7 @@
 // The order of things: what follows each parallel part; twin of step/mod.rs. One invocation of the workgroup runs it.
 
 
-// Ends the trial if a formula gave no finite number; the sheet is written back first.
+// Ends the trial if a formula gave no finite number; the height field is written back first.
 fn fails() -> bool {
     let place = max(reduced(SUMS + MAX_BAD), fault);
     if place <= 0.0 {
@@ -13,21 +13,21 @@ fn fails() -> bool {
     return true;
 }
 
-// Writes the sheet's losses into the field and drops it; then goes on with a phase.
+// Writes the height field's losses into the field and drops it; then goes on with a phase.
 fn write_back(then: u32) {
     state.travelled = 0.0;
     state.bent = 0.0;
     state.goes_on = 0u;
     state.border = 0.0;
     state.phase = then;
-    if state.has_sheet == 1u {
+    if state.has_height_field == 1u {
         state.then = then;
         state.phase = BOUNDS;
     }
 }
 
 fn written_back() {
-    state.has_sheet = 0u;
+    state.has_height_field = 0u;
     state.phase = state.then;
 }
 
@@ -48,7 +48,7 @@ fn settle_complete() {
     prepare_states();
     let way = length(way_between(nominal(now()), nominal(later(now(), state.dt))));
     state.travelled += way;
-    state.is_far = select(0u, 1u, state.travelled + 0.5 * way > setup.commit_way);
+    state.is_far = select(0u, 1u, state.travelled + 0.5 * way > setup.write_back_way);
     state.coarse = state.guess_base;
     state.fine = state.guess;
     state.speed = state.found_speed;
@@ -82,7 +82,7 @@ fn settle_apply() {
 }
 
 fn plan_after_step() {
-    if state.is_far == 1u || state.receded > COMMIT_RECESSION {
+    if state.is_far == 1u || state.receded > WRITE_BACK_RECESSION {
         write_back(STEP);
     } else {
         state.phase = STEP;

@@ -10,11 +10,11 @@ const NONE: f32 = 1e30;
 @group(0) @binding(3) var<storage, read_write> brick_index: array<u32>;
 // Bricks, `run.planes` planes of values each.
 @group(0) @binding(4) var<storage, read_write> pool: array<f32>;
-// Arrays over the lines of each trial's sheet.
+// Arrays over the lines of each trial's height field.
 @group(0) @binding(5) var<storage, read_write> columns: array<f32>;
 @group(0) @binding(6) var<storage, read> path: array<PathPiece>;
 @group(0) @binding(7) var<storage, read_write> log_rows: array<LogRecord>;
-// Variables of the step, parameters, states, results of step programs, sums over tool cells, sums over the squares.
+// Variables of the step, parameters, states, results of step programs, sums over tool cells, sums over the cells.
 @group(0) @binding(8) var<storage, read_write> values: array<f32>;
 
 // The workgroup's trial.
@@ -88,7 +88,7 @@ fn take_up_sums() {
     }
 }
 
-// Lines of the sheet's window.
+// Lines of the height field's window.
 fn line_count() -> u32 {
     return state.window_size[0] * state.window_size[1];
 }

@@ -1,4 +1,4 @@
-// The lattice axis along which columns run, and which way is up; twin of Facing in sheet.rs.
+// The lattice axis along which columns run, and which way is up; twin of Facing in height field.rs.
 
 // The voxel at lattice place (i, j) across the columns and k up.
 fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
@@ -11,7 +11,7 @@ fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
 }
 
 // A vector of the field's frame as (u, v, up).
-fn to_sheet(v: vec3f) -> vec3f {
+fn to_height_field(v: vec3f) -> vec3f {
     let up = f32(state.up);
     switch state.axis {
         case 0u: { return vec3f(v.yz, up * v.x); }
@@ -20,7 +20,7 @@ fn to_sheet(v: vec3f) -> vec3f {
     }
 }
 
-fn whole_to_sheet(v: vec3i) -> vec3i {
+fn whole_to_height_field(v: vec3i) -> vec3i {
     switch state.axis {
         case 0u: { return vec3i(v.yz, state.up * v.x); }
         case 1u: { return vec3i(v.zx, state.up * v.y); }
@@ -29,7 +29,7 @@ fn whole_to_sheet(v: vec3i) -> vec3i {
 }
 
 // A vector (u, v, up) in the field's frame.
-fn from_sheet(v: vec3f) -> vec3f {
+fn from_height_field(v: vec3f) -> vec3f {
     let up = f32(state.up) * v.z;
     switch state.axis {
         case 0u: { return vec3f(up, v.xy); }

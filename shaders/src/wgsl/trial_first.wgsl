@@ -30,7 +30,7 @@ fn depths(array_id: u32, pose: Pose) {
     let region = grown(state.region);
     for (var n = lane_id; n < region_count(region); n += WORKGROUP_SIZE) {
         let line = region_line(region, n);
-        set_column(array_id, line, depth_without_walls(line, region, pose));
+        set_column(array_id, line, depth_without_side_faces(line, region, pose));
     }
 }
 

@@ -45,7 +45,7 @@ fn settle_nothing() {
     }
 }
 
-// The motion is found: takes it, on a larger sheet if the patch may go on, or in a shorter step.
+// The motion is found: takes it, on a larger height field if the patch may go on, or in a shorter step.
 fn settle_found() {
     if (state.border > 0.0 || reduced(SUMS + MAX_BORDER) > 0.0) && grow_extent() {
         write_back(CHOOSE);

@@ -1,6 +1,6 @@
-// What the formulas may read of a square in contact; twin of physics.rs. SI units.
+// What the formulas may read of a cell in contact; twin of physics.rs. SI units.
 
-// Values of a square, one for each variable of the cells.
+// Values of a cell, one for each variable of the cells.
 struct Lane {
     x: f32,
     y: f32,
@@ -38,13 +38,13 @@ fn depth_laplacian(line: u32, depths: u32) -> f32 {
     return (along.bend + sideways.bend) / setup.voxel;
 }
 
-// A square under the tool at a pose.
+// A cell under the tool at a pose.
 fn lane_at(line: u32, pose: Pose) -> Lane {
     let at = local_point(line, pose);
     let voxel = setup.voxel;
     let flat = vec2f(line_place(line));
     let up = f32(state.base) + column_value(WHOLE, line) + (column_value(PART, line) - column_value(SUNK, line));
-    let place = from_sheet(vec3f(flat, up)) * voxel;
+    let place = from_height_field(vec3f(flat, up)) * voxel;
     let dose = column_value(DOSE, line);
     var lane: Lane;
     lane.x = place.x;

@@ -1,6 +1,6 @@
 // Numbers that name arrays, sums, poses and phases, and what an invocation keeps beside its buffers.
 
-// Arrays over the lines of a sheet: height as it was read, in whole voxels above the base and the part of one, and how far
+// Arrays over the lines of a height field: height as it was read, in whole voxels above the base and the part of one, and how far
 // it has sunk since; slopes, channels, and what the step does.
 const WHOLE: u32 = 0u;
 const PART: u32 = 1u;
@@ -26,7 +26,7 @@ const SIDE_ARRAYS: u32 = 5u;
 // WHOLE of a line without a surface [voxels].
 const NO_SURFACE: f32 = -4e6;
 
-// Sums over the squares; the first two also of the squares that complete a step.
+// Sums over the cells; the first two also of the cells that complete a step.
 const SUM_FORCE: u32 = 0u;
 const SUM_STIFFNESS: u32 = 1u;
 const SUM_LOAD: u32 = 2u;
@@ -35,7 +35,7 @@ const SUM_VOLUME: u32 = 4u;
 const SUM_COATING: u32 = 5u;
 const SUMS: u32 = 6u;
 
-// Greatest values over the squares, or over the lines when a sheet is written back.
+// Greatest values over the cells, or over the lines when a height field is written back.
 const MAX_BAD: u32 = 0u;
 const MAX_BORDER: u32 = 1u;
 const MAX_DEPTH: u32 = 2u;
@@ -68,7 +68,7 @@ const NOTHING: u32 = 2u;
 // Phases that one invocation runs alone.
 const STEP: u32 = 0u;
 const CHOOSE: u32 = 1u;
-const READ_SHEET: u32 = 2u;
+const READ_HEIGHT_FIELD: u32 = 2u;
 const TRY: u32 = 3u;
 const AIM: u32 = 4u;
 const SEARCH: u32 = 5u;
@@ -94,7 +94,7 @@ const FAR_LAYER: u32 = 28u;
 // Nothing until the host has done something.
 const IDLE: u32 = 29u;
 
-// Sums and greatest values over the squares, of one invocation.
+// Sums and greatest values over the cells, of one invocation.
 var<private> totals: array<f32, SUMS>;
 var<private> maxima: array<f32, MAXIMA>;
 // A formula of the step that gave no finite number.

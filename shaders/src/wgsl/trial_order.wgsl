@@ -3,7 +3,7 @@
 // What follows the parallel part that has been done.
 fn settle() {
     switch state.phase {
-        case READ: { state.has_sheet = 1u; look(); state.phase = TRY; }
+        case READ: { state.has_height_field = 1u; look(); state.phase = TRY; }
         case BEGIN: {
             state.border = max(reduced(SUMS + MAX_BORDER), 0.0);
             state.phase = SEARCH;
@@ -35,8 +35,8 @@ fn control() {
     while state.phase < FIRST_PARALLEL {
         switch state.phase {
             case STEP: { plan_step(); if fault > 0.0 { _ = fails(); } }
-            case CHOOSE: { choose_sheet(); }
-            case READ_SHEET: { plan_sheet(); }
+            case CHOOSE: { choose_height_field(); }
+            case READ_HEIGHT_FIELD: { plan_height_field(); }
             case TRY: { plan_try(); }
             case AIM: { plan_aim(); }
             case SEARCH: { plan_search(); }

@@ -1,4 +1,4 @@
-// What one invocation decides between the parallel parts of a step: clock, sheet and poses; twin of step/mod.rs, step/force_balance.rs
+// What one invocation decides between the parallel parts of a step: clock, height field and poses; twin of step/mod.rs, step/force_balance.rs
 // and extent.rs.
 
 
@@ -62,10 +62,10 @@ fn take_over(over: bool) {
 
 // Widens the window [first u, first v, last u, last v], and its lowest height, by the contact's corners at a pose.
 fn widen(window: vec4i, lowest: i32, pose: Pose) -> array<vec4i, 2> {
-    let whole = whole_to_sheet(pose.whole);
-    let rest = to_sheet(pose.rest);
-    let x = to_sheet(pose.x);
-    let y = to_sheet(pose.y);
+    let whole = whole_to_height_field(pose.whole);
+    let rest = to_height_field(pose.rest);
+    let x = to_height_field(pose.x);
+    let y = to_height_field(pose.y);
     var result = window;
     var low = lowest;
     for (var n = 0u; n < 4u; n++) {
@@ -90,12 +90,12 @@ fn facing(approach: vec3f) -> vec2i {
     return vec2i(axis, select(1, -1, approach[axis] < 0.0));
 }
 
-// Sees to a sheet that holds the contact of the step, and looks at its region of it.
-fn choose_sheet() {
+// Sees to a height field that holds the contact of the step, and looks at its region of it.
+fn choose_height_field() {
     let dt = state.step_dt;
     let wanted = facing(nominal(now()).approach);
     let turned = state.axis != u32(wanted.x) || state.up != wanted.y;
-    if state.has_sheet == 1u && turned {
+    if state.has_height_field == 1u && turned {
         write_back(CHOOSE);
         return;
     }
@@ -111,15 +111,15 @@ fn choose_sheet() {
     state.wanted = vec4i(low, size);
     let held = state.window_low.xy;
     let end = held + vec2i(vec2u(state.window_size[0], across()));
-    if state.has_sheet == 1u && all(low + MARGIN >= held) && all(low + size - MARGIN <= end) {
+    if state.has_height_field == 1u && all(low + MARGIN >= held) && all(low + size - MARGIN <= end) {
         look();
         state.phase = TRY;
     } else {
-        write_back(READ_SHEET);
+        write_back(READ_HEIGHT_FIELD);
     }
 }
 
-// Looks at the part of the sheet that the step needs, of lines that have neighbours on all sides.
+// Looks at the part of the height field that the step needs, of lines that have neighbours on all sides.
 fn look() {
     let first = state.wanted.xy - state.window_low.xy;
     let ends = vec2i(vec2u(state.window_size[0], across())) - 1;

@@ -1,8 +1,8 @@
-// A square integrated over a step, and put right where its law is no straight line in the depth; twin of scheme/exponential_integrator.rs and scheme/nonlinear_correction.rs.
+// A cell integrated over a step, and put right where its law is no straight line in the depth; twin of scheme/exponential_integrator.rs and scheme/nonlinear_correction.rs.
 
 
 
-// What a step does to a square.
+// What a step does to a cell.
 struct Relaxed {
     // [voxels]
     recession: f32,
@@ -28,7 +28,7 @@ struct Looks {
     // Wet shares at start and end, and those that recede.
     shares: vec2f,
     covers: vec2f,
-    // By how much deeper the square lies in the middle of the step than the mean of both ends [voxels]; below 0 where the work is
+    // By how much deeper the cell lies in the middle of the step than the mean of both ends [voxels]; below 0 where the work is
     // not flat.
     bulge: f32,
 }
@@ -47,8 +47,8 @@ fn relaxation_of(lane: Lane, looks: Looks, depth_rate: f32) -> f32 {
     return select(0.0, max(steeper / (PROBE * own * setup.voxel), 0.0), own > 0.0);
 }
 
-// Integrates a square over the step, in which it relaxes at a rate [1/s], with the law straight from its ends on.
-fn integrate(looks: Looks, end: Square, relaxation: f32) -> Relaxed {
+// Integrates a cell over the step, in which it relaxes at a rate [1/s], with the law straight from its ends on.
+fn integrate(looks: Looks, end: Cell, relaxation: f32) -> Relaxed {
     let dt = state.dt;
     let depth = max(looks.depths.x, looks.depths.y);
     let pressure = select(looks.pressures.y, looks.pressures.x, looks.depths.x > looks.depths.y);
@@ -82,7 +82,7 @@ fn slope_between(a: vec2f, b: vec2f, otherwise: f32) -> f32 {
     return select(otherwise, (b.y - a.y) / (b.x - a.x), abs(b.x - a.x) > APART * max(a.x, b.x));
 }
 
-// Puts a square right whose law bends.
+// Puts a cell right whose law bends.
 fn bend(looks: Looks, straight: Relaxed) -> Relaxed {
     let voxel = setup.voxel;
     let dt = state.dt;

@@ -1,11 +1,11 @@
 // Where the controller brings the tool in a step, evaluation by evaluation; twin of step/force_balance.rs.
 
 
-// Chooses a sheet that holds the contact for the next steps.
-fn plan_sheet() {
-    let commit_way = setup.commit_way;
-    let ahead = time_for(commit_way + setup.step_way + LOOK_AHEAD);
-    let count = u32(ceil(commit_way / setup.step_way));
+// Chooses a height field that holds the contact for the next steps.
+fn plan_height_field() {
+    let write_back_way = setup.write_back_way;
+    let ahead = time_for(write_back_way + setup.step_way + LOOK_AHEAD);
+    let count = u32(ceil(write_back_way / setup.step_way));
     var window = no_window();
     var start: Pose;
     for (var n = 0u; n <= count + 1u; n++) {
@@ -21,13 +21,13 @@ fn plan_sheet() {
     let lines = size.x * size.y;
     if lines > setup.column_lines {
         state.needed = lines;
-        pause(STATUS_NEEDS_COLUMNS, READ_SHEET);
+        pause(STATUS_NEEDS_COLUMNS, READ_HEIGHT_FIELD);
         return;
     }
     state.window_low = vec4i(low, 0, 0);
     state.window_size = vec4u(size, 0u, 0u);
-    let level = whole_to_sheet(start.whole).z;
-    state.base = level + i32(ceil(to_sheet(start.rest).z));
+    let level = whole_to_height_field(start.whole).z;
+    state.base = level + i32(ceil(to_height_field(start.rest).z));
     let seeks = state.searched == 1u || state.in_air == 1u || setup.grinds == 0u;
     let below = select(NEAR_BELOW, 2.0 * setup.search_reach, seeks);
     let falling = max(-state.speed, 0.0) * max(LONGEST_STEP, state.step_dt);
@@ -42,7 +42,7 @@ fn pause(status: u32, resume: u32) {
     state.phase = IDLE;
 }
 
-// Whether the tool must first be brought into balance where it is: from the air, and on every new sheet.
+// Whether the tool must first be brought into balance where it is: from the air, and on every new height field.
 fn plan_try() {
     let anew = is_ideal() && setup.grinds == 1u && state.goes_on == 0u;
     state.settling = select(0u, 1u, state.in_air == 1u || anew);
@@ -69,7 +69,7 @@ fn plan_aim() {
         }
     } else {
         keep_pose(POSE_AIM, poses[1]);
-        state.sweep = vec4f(to_sheet(way_between(poses[0], poses[2])), 0.0);
+        state.sweep = vec4f(to_height_field(way_between(poses[0], poses[2])), 0.0);
     }
     state.whole_step = 1u - setup.grinds;
     state.goes_on = 0u;

@@ -1,4 +1,4 @@
-// One step of the contact over the squares of the region, one invocation each in turn; twin of scheme/grinding.rs and scheme/sanding.rs.
+// One step of the contact over the cells of the region, one invocation each in turn; twin of scheme/grinding.rs and scheme/sanding.rs.
 
 
 // Whether a line is in the rectangle in which the start of the step was measured.
@@ -8,28 +8,28 @@ fn has_start(line: u32) -> bool {
     return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
 }
 
-// A square at one end of the step, in arrays that begin at `depths`.
-fn kept_square(line: u32, depths: u32) -> Square {
+// A cell at one end of the step, in arrays that begin at `depths`.
+fn kept_cell(line: u32, depths: u32) -> Cell {
     let mean = column_value(depths + (END_MEAN - END_DEPTH), line);
     let share = column_value(depths + (END_SHARE - END_DEPTH), line);
     let area = column_value(depths + (END_AREA - END_DEPTH), line);
-    return Square(mean, share, area, column_value(depths + (END_COVER - END_DEPTH), line));
+    return Cell(mean, share, area, column_value(depths + (END_COVER - END_DEPTH), line));
 }
 
-fn start_square(line: u32) -> Square {
+fn start_cell(line: u32) -> Cell {
     if !has_start(line) {
-        return Square(0.0, 0.0, 0.0, 0.0);
+        return Cell(0.0, 0.0, 0.0, 0.0);
     }
-    return kept_square(line, start_array(END_DEPTH));
+    return kept_cell(line, start_array(END_DEPTH));
 }
 
-fn end_square(line: u32) -> Square {
-    return kept_square(line, end_array(END_DEPTH));
+fn end_cell(line: u32) -> Cell {
+    return kept_cell(line, end_array(END_DEPTH));
 }
 
 // Mean depth over the wet share.
-fn wet_depth(square: Square) -> f32 {
-    return select(0.0, square.mean / square.share, square.share > 0.0);
+fn wet_depth(cell: Cell) -> f32 {
+    return select(0.0, cell.mean / cell.share, cell.share > 0.0);
 }
 
 fn on_border(line: u32, region: vec4u) -> bool {
@@ -37,27 +37,27 @@ fn on_border(line: u32, region: vec4u) -> bool {
     return at.x == 0u || at.y == 0u || at.x + 1u == region.z || at.y + 1u == region.w;
 }
 
-// Measures a square at one end of the step, in arrays that begin at `depths`.
+// Measures a cell at one end of the step, in arrays that begin at `depths`.
 fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
-    let square = square_at(line, depths, pose, sweep);
-    set_column(depths + (END_MEAN - END_DEPTH), line, square.mean);
-    set_column(depths + (END_SHARE - END_DEPTH), line, square.share);
-    set_column(depths + (END_AREA - END_DEPTH), line, square.area);
-    set_column(depths + (END_COVER - END_DEPTH), line, square.cover);
-    if square.share > 0.0 && on_border(line, state.region) {
+    let cell = cell_at(line, depths, pose, sweep);
+    set_column(depths + (END_MEAN - END_DEPTH), line, cell.mean);
+    set_column(depths + (END_SHARE - END_DEPTH), line, cell.share);
+    set_column(depths + (END_AREA - END_DEPTH), line, cell.area);
+    set_column(depths + (END_COVER - END_DEPTH), line, cell.cover);
+    if cell.share > 0.0 && on_border(line, state.region) {
         maxima[MAX_BORDER] = 1.0;
     }
 }
 
-// Force at the end of the step and how it depends on the travel, of one square.
+// Force at the end of the step and how it depends on the travel, of one cell.
 fn respond(line: u32, pose: Pose, middle: Pose) {
     measure(line, end_array(END_DEPTH), pose, state.sweep.xyz);
     let depth = column_value(end_array(END_DEPTH), line);
     if depth > maxima[MAX_DEPTH] && cover(line, local_point(line, pose), pose, vec3f(0.0)).share > 0.0 {
         maxima[MAX_DEPTH] = depth;
     }
-    let start = start_square(line);
-    let end = end_square(line);
+    let start = start_cell(line);
+    let end = end_cell(line);
     set_column(RECESSION, line, 0.0);
     set_column(MEAN_LOAD, line, 0.0);
     if start.share + end.share > 0.0 {
@@ -73,25 +73,25 @@ fn lane_here(line: u32, middle: Pose) -> Lane {
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
     if state.whole_step == 1u {
-        lane.slip_speed = swept_slip_speed(line, middle, end_square(line));
+        lane.slip_speed = swept_slip_speed(line, middle, end_cell(line));
     }
     return lane;
 }
 
-// Mean slip speed at a square while the tool is over it, weighted with its depth, in a step that is taken as its middle.
-fn swept_slip_speed(line: u32, middle: Pose, square: Square) -> f32 {
+// Mean slip speed at a cell while the tool is over it, weighted with its depth, in a step that is taken as its middle.
+fn swept_slip_speed(line: u32, middle: Pose, cell: Cell) -> f32 {
     let at = local_point(line, middle);
     let sweep = state.sweep.xyz;
     let way = vec3f(dot(middle.x, sweep), dot(middle.y, sweep), dot(middle.z, sweep));
     let lag = cover(line, at, middle, sweep).lag;
     let apart = HALF_GAUSS * (1.0 - 2.0 * abs(lag));
-    let sinks = sinking(middle, sweep) * apart * square.share;
-    let deeper = clamp(sinks / square.mean, -1.0, 1.0);
+    let sinks = sinking(middle, sweep) * apart * cell.share;
+    let deeper = clamp(sinks / cell.mean, -1.0, 1.0);
     return 0.5 * ((1.0 - deeper) * slip_speed(at - (lag - apart) * way) + (1.0 + deeper) * slip_speed(at - (lag + apart) * way));
 }
 
 // Force of a step that is taken as its middle.
-fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
+fn press_whole(line: u32, end: Cell, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let depth = wet_depth(end);
     let pressure = pressed(lane_here(line, middle), depth, 0.0);
@@ -104,8 +104,8 @@ fn press_whole(line: u32, end: Square, pose: Pose, middle: Pose) {
     totals[SUM_STIFFNESS] += load / depth * facing;
 }
 
-// Integrates a square over the step and adds up its force.
-fn relax(line: u32, start: Square, end: Square, pose: Pose, middle: Pose) {
+// Integrates a cell over the step and adds up its force.
+fn relax(line: u32, start: Cell, end: Cell, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let lane = lane_here(line, middle);
     let depths = vec2f(wet_depth(start), wet_depth(end));

@@ -1,4 +1,4 @@
-// Squares that begin or cease to recede within a step, and the depths that recede; twin of scheme/threshold.rs and of scheme/contact_state.rs.
+// Cells that begin or cease to recede within a step, and the depths that recede; twin of scheme/threshold.rs and of scheme/contact_state.rs.
 
 // Recession per what a depth exceeds its straight line by in the middle of a step, as a parabola over time.
 fn bulge_gain(x: f32) -> f32 {
@@ -28,8 +28,8 @@ fn stays_flat(line: u32) -> bool {
     return is_flat(line, start_array(END_DEPTH)) && is_flat(line, end_array(END_DEPTH));
 }
 
-// Depths that recede at start and end (x, y), and the shares of the square that do (z, w).
-fn receding(line: u32, start: Square, end: Square, flat_here: bool) -> vec4f {
+// Depths that recede at start and end (x, y), and the shares of the cell that do (z, w).
+fn receding(line: u32, start: Cell, end: Cell, flat_here: bool) -> vec4f {
     if !flat_here {
         return vec4f(wet_depth(start), wet_depth(end), start.share, end.share);
     }
@@ -42,7 +42,7 @@ fn receding(line: u32, start: Square, end: Square, flat_here: bool) -> vec4f {
 }
 
 
-// Takes a square back to the mean depth over its wet share whose law, of a slope [1/s], has no threshold.
+// Takes a cell back to the mean depth over its wet share whose law, of a slope [1/s], has no threshold.
 fn with_means(looks: Looks, slope: f32) -> Looks {
     let voxel = setup.voxel;
     let own = max(looks.own.x, looks.own.y);
@@ -59,7 +59,7 @@ fn with_means(looks: Looks, slope: f32) -> Looks {
     return means;
 }
 
-// Whether a square over flat work recedes at one end of the step only.
+// Whether a cell over flat work recedes at one end of the step only.
 fn crosses(looks: Looks) -> bool {
     return looks.bulge >= 0.0 && (looks.rates.x > 0.0) != (looks.rates.y > 0.0);
 }
@@ -77,7 +77,7 @@ fn late(z: f32) -> f32 {
     return select(1.0 - op_log(1.0 + z) / z, series, z < 0.1);
 }
 
-// Recession, its mean over the step [voxels], and 1, of a square that crosses the depth at which its law begins while it relaxes at
+// Recession, its mean over the step [voxels], and 1, of a cell that crosses the depth at which its law begins while it relaxes at
 // a rate [1/s]; zeros where it does not.
 fn cross_threshold(looks: Looks, relaxation: f32) -> vec3f {
     let begins = looks.rates.y > 0.0;

@@ -1,4 +1,4 @@
-// What follows the phases in which a sheet is written back.
+// What follows the phases in which a height field is written back.
 
 fn settle_bounds() {
     let receded = reduced(SUMS + MAX_ROW) > -FAR;

@@ -5,25 +5,26 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::clipped_cell::wet_share;
+use crate::height_field::HeightField;
 use crate::pose::{Placement, Pose};
 use crate::region::Region;
-use crate::sheet::Sheet;
 use robot::Tool;
 
 /// Cosine of a pad's tilt against the columns below which whole rows are searched for its cells.
 const MOST_TILTED: f64 = 0.5;
 
 /// A tool's frame in the coordinates of a height field (u, v, up).
-pub(crate) struct SheetFrame {
+pub(crate) struct HeightFieldFrame {
     pub(super) centre: DVec3,
     pub(super) x: DVec3,
     pub(super) y: DVec3,
     pub(super) z: DVec3,
 }
 
-impl SheetFrame {
-    pub(crate) fn new(pose: &Pose, sheet: &Sheet) -> Self {
-        let [centre, x, y, z] = [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| sheet.facing.sheet(v));
+impl HeightFieldFrame {
+    pub(crate) fn new(pose: &Pose, height_field: &HeightField) -> Self {
+        let [centre, x, y, z] =
+            [pose.centre, pose.frame.x, pose.frame.y, pose.frame.z].map(|v| height_field.facing.height_field(v));
         Self { centre, x, y, z }
     }
 
@@ -56,7 +57,7 @@ pub(super) struct Cover {
 /// The border of a tool's working surface over a height field.
 pub(super) struct Border<'a> {
     pub(super) tool: &'a Tool,
-    pub(super) frame: SheetFrame,
+    pub(super) frame: HeightFieldFrame,
     /// Sweep of the tool [m, u v up].
     pub(super) sweep: DVec3,
     /// Distance by which a pad sinks in over the sweep, the same everywhere [m].
@@ -70,11 +71,11 @@ pub(super) struct Border<'a> {
 }
 
 impl<'a> Border<'a> {
-    pub(super) fn new(place: &Placement<'a>, sheet: &Sheet) -> Self {
-        let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
-        let sweep = sheet.facing.sheet(place.sweep);
+    pub(super) fn new(place: &Placement<'a>, height_field: &HeightField) -> Self {
+        let (tool, frame) = (place.tool, HeightFieldFrame::new(&place.pose, height_field));
+        let sweep = height_field.facing.height_field(place.sweep);
         // Half a cell's diagonal, plus the contribution of a slope of one.
-        let near = sheet.pitch + 0.5 * sweep.length();
+        let near = height_field.pitch + 0.5 * sweep.length();
         let rim = tool.rim_radius();
         let inner = rim - near;
         let ring = (inner * inner.abs(), (rim + near).powi(2));
@@ -90,8 +91,8 @@ impl<'a> Border<'a> {
 
     /// Cover of a column's cell over the sweep.
     #[inline]
-    pub(super) fn cover(&self, sheet: &Sheet, line: usize) -> Cover {
-        let at = self.frame.local(sheet.point(line));
+    pub(super) fn cover(&self, height_field: &HeightField, line: usize) -> Cover {
+        let at = self.frame.local(height_field.point(line));
         let (is_within, is_near) = match self.tool {
             Tool::Pad(_) => {
                 let square = at.x * at.x + at.y * at.y;
@@ -102,17 +103,17 @@ impl<'a> Border<'a> {
                 (within > 0.0, within.abs() < self.near)
             }
         };
-        if is_near { self.crossed(at, sheet, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
+        if is_near { self.crossed(at, height_field, line) } else { Cover { share: f64::from(is_within), lag: 0.0 } }
     }
 
     /// The same for a cell that the border may cross. `at` is its middle in the tool's frame [m].
-    fn crossed(&self, at: DVec3, sheet: &Sheet, line: usize) -> Cover {
-        let slope = sheet.slope[line];
+    fn crossed(&self, at: DVec3, height_field: &HeightField, line: usize) -> Cover {
+        let slope = height_field.slope[line];
         match self.tool {
             Tool::Wheel(_) => {
-                self.cover_within(self.tool.within(at), self.frame.y * -at.y.signum(), slope, 0.5 * sheet.pitch)
+                self.cover_within(self.tool.within(at), self.frame.y * -at.y.signum(), slope, 0.5 * height_field.pitch)
             }
-            _ => self.disc_cover(at, slope, sheet.pitch),
+            _ => self.disc_cover(at, slope, height_field.pitch),
         }
     }
 
@@ -141,20 +142,20 @@ impl<'a> Border<'a> {
 
     /// Columns of a region's row that contain every cell under a pad. Beyond them the pad's border cannot cross a cell,
     /// whatever the surface's height.
-    pub(super) fn columns(&self, sheet: &Sheet, region: &Region, row: usize) -> Range<usize> {
+    pub(super) fn columns(&self, height_field: &HeightField, region: &Region, row: usize) -> Range<usize> {
         let Region { columns, .. } = region;
         let (centre, upright) = (self.frame.centre, self.frame.z.z);
         if !matches!(self.tool, Tool::Pad(_)) || upright < MOST_TILTED {
             return columns.clone();
         }
-        let (low, high) = sheet.levels();
+        let (low, high) = height_field.levels();
         let tall = (high - centre.z).max(centre.z - low).max(0.0);
         let tilt = self.frame.z.x.hypot(self.frame.z.y);
         let reach = (self.rim + self.near + if tilt > 0.0 { tall * tilt } else { 0.0 }) / upright;
-        let [low_u, low_v] = sheet.window.low.map(f64::from);
-        let off = (low_u + row as f64) * sheet.pitch - centre.x;
+        let [low_u, low_v] = height_field.window.low.map(f64::from);
+        let off = (low_u + row as f64) * height_field.pitch - centre.x;
         let half = (reach * reach - off * off).max(0.0).sqrt();
-        let place = |v: f64| v / sheet.pitch - low_v;
+        let place = |v: f64| v / height_field.pitch - low_v;
         let first = (place(centre.y - half).floor().max(0.0) as usize).clamp(columns.start, columns.end);
         first..(place(centre.y + half).ceil().max(0.0) as usize + 1).clamp(first, columns.end)
     }

@@ -5,9 +5,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::patch::Patch;
-use super::{Border, ContactCells, SheetFrame};
+use super::{Border, ContactCells, HeightFieldFrame};
+use crate::height_field::{HeightField, NO_SURFACE};
 use crate::pose::Placement;
-use crate::sheet::{NO_SURFACE, Sheet};
 
 /// Error bound of a column's height beside a side face [voxels].
 const EDGE_ERROR: f64 = 0.05;
@@ -30,29 +30,30 @@ pub(crate) struct DeepestPoint {
 impl ContactCells {
     /// The deepest point under the working surface, also between columns and at the border; `None` without a surface.
     /// Beside a side face the height of a column is less certain, and its depth is reduced by the error bound.
-    pub(crate) fn peak(&self, place: &Placement, sheet: &Sheet) -> Option<DeepestPoint> {
-        let (tool, frame) = (place.tool, SheetFrame::new(&place.pose, sheet));
-        let lines: Vec<usize> = self.under(place, sheet).filter(|&line| sheet.height[line] > NO_SURFACE).collect();
-        let within = |line: usize| tool.within(frame.local(sheet.point(line)));
+    pub(crate) fn peak(&self, place: &Placement, height_field: &HeightField) -> Option<DeepestPoint> {
+        let (tool, frame) = (place.tool, HeightFieldFrame::new(&place.pose, height_field));
+        let lines: Vec<usize> =
+            self.under(place, height_field).filter(|&line| height_field.height[line] > NO_SURFACE).collect();
+        let within = |line: usize| tool.within(frame.local(height_field.point(line)));
         let mut best: Option<DeepestPoint> = None;
         for &line in lines.iter().filter(|&&line| within(line) >= 0.0) {
-            let depth = self.depth[line] - self.unsure(sheet, line);
+            let depth = self.depth[line] - self.unsure(height_field, line);
             if best.is_none_or(|best| depth > best.depth) {
-                best = Some(DeepestPoint { depth, line, point: sheet.point(line) });
+                best = Some(DeepestPoint { depth, line, point: height_field.point(line) });
             }
         }
-        let edges = sheet.edge_distances();
+        let edges = height_field.edge_distances();
         for line in lines {
             // The surface between columns is as uncertain as the heights of the neighbours.
-            let is_at_edge = edges[line] < AT_EDGE * sheet.pitch;
-            let unsure = if is_at_edge { EDGE_ERROR * sheet.pitch } else { self.unsure(sheet, line) };
+            let is_at_edge = edges[line] < AT_EDGE * height_field.pitch;
+            let unsure = if is_at_edge { EDGE_ERROR * height_field.pitch } else { self.unsure(height_field, line) };
             let floor = best.map_or(f64::NEG_INFINITY, |best| best.depth + unsure);
             // On a plane a neighbour is deeper.
-            let is_plain = within(line) > BESIDE * sheet.pitch && self.is_straight(sheet, line);
-            if is_plain || !self.may_be_wet(sheet, line, floor) {
+            let is_plain = within(line) > BESIDE * height_field.pitch && self.is_straight(height_field, line);
+            if is_plain || !self.may_be_wet(height_field, line, floor) {
                 continue;
             }
-            let patch = Patch::new((tool, &frame), sheet, line, self.depth[line]);
+            let patch = Patch::new((tool, &frame), height_field, line, self.depth[line]);
             if let Some((depth, at)) = patch.top(floor) {
                 best = Some(DeepestPoint { depth: depth - unsure, line, point: patch.point(at) });
             }
@@ -61,20 +62,20 @@ impl ContactCells {
     }
 
     /// Columns under the working surface of a tool that does not sweep.
-    pub(super) fn under(&self, place: &Placement, sheet: &Sheet) -> impl Iterator<Item = usize> {
-        let border = Border::new(&Placement::still(place.tool, place.pose), sheet);
-        self.region.lines(sheet.window.size[1]).filter(move |&line| border.cover(sheet, line).share > 0.0)
+    pub(super) fn under(&self, place: &Placement, height_field: &HeightField) -> impl Iterator<Item = usize> {
+        let border = Border::new(&Placement::still(place.tool, place.pose), height_field);
+        self.region.lines(height_field.window.size[1]).filter(move |&line| border.cover(height_field, line).share > 0.0)
     }
 
     /// Error bound of a cell's depth [m], by which it may be less deep than its column.
-    fn unsure(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
-        if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * sheet.pitch }
+    fn unsure(&self, height_field: &HeightField, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, height_field.window.size[1], height_field.pitch);
+        if along.is_whole && sideways.is_whole { 0.0 } else { EDGE_ERROR * height_field.pitch }
     }
 
     /// Depth [m] at the vertex of the parabolas through a column and its neighbours, if it lies in the column's cell.
-    pub fn top(&self, sheet: &Sheet, line: usize) -> f64 {
-        let (along, sideways) = self.differences(line, sheet.window.size[1], sheet.pitch);
+    pub fn top(&self, height_field: &HeightField, line: usize) -> f64 {
+        let (along, sideways) = self.differences(line, height_field.window.size[1], height_field.pitch);
         self.depth[line] + along.rise() + sideways.rise()
     }
 
@@ -87,17 +88,17 @@ impl ContactCells {
         highest: f64,
         (pressures, depths): (&[f64], &[f64]),
         run: Range<usize>,
-        sheet: &Sheet,
+        height_field: &HeightField,
     ) -> bool {
-        let (across, first, count) = (sheet.window.size[1], run.start, run.len());
+        let (across, first, count) = (height_field.window.size[1], run.start, run.len());
         let from = |line: usize| &self.depth[line..line + count];
         let (here, before, after) = (from(first), from(first - across), from(first + across));
         let (left, right) = (from(first - 1), from(first + 1));
         let (pressures, depths) = (&pressures[..count], &depths[..count]);
         let mut any = false;
         for i in 0..count {
-            let rise = mean_size(before[i], here[i], after[i], sheet.pitch)
-                + mean_size(left[i], here[i], right[i], sheet.pitch);
+            let rise = mean_size(before[i], here[i], after[i], height_field.pitch)
+                + mean_size(left[i], here[i], right[i], height_field.pitch);
             let top = here[i] + 0.26 * rise;
             any |= (pressures[i] > highest) | (pressures[i] * top > highest * depths[i]);
         }

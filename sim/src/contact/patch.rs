@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 
-use super::{Difference, SheetFrame};
+use super::{Difference, HeightFieldFrame};
 use crate::clipped_cell::{ramp_mean, wet_share};
-use crate::sheet::Sheet;
+use crate::height_field::HeightField;
 use robot::Tool;
 
 /// Number of times that a cell is halved along both sides: sub-cells of a sixteenth of a voxel.
@@ -23,7 +23,7 @@ const BORDER_TOLERANCES: (f64, f64) = (1e-6, 0.1);
 /// The cell of a column.
 pub(super) struct Patch<'a> {
     tool: &'a Tool,
-    frame: &'a SheetFrame,
+    frame: &'a HeightFieldFrame,
     /// The column's point (u, v, up) [m].
     column: DVec3,
     /// Differences of the height across the cell [m].
@@ -58,15 +58,20 @@ struct Cell {
 
 impl<'a> Patch<'a> {
     /// The cell of a column at which the tool is `depth` [m] deep.
-    pub(super) fn new((tool, frame): (&'a Tool, &'a SheetFrame), sheet: &Sheet, line: usize, depth: f64) -> Self {
-        let (across, pitch) = (sheet.window.size[1], sheet.pitch);
-        let height = |line: usize| sheet.height[line];
+    pub(super) fn new(
+        (tool, frame): (&'a Tool, &'a HeightFieldFrame),
+        height_field: &HeightField,
+        line: usize,
+        depth: f64,
+    ) -> Self {
+        let (across, pitch) = (height_field.window.size[1], height_field.pitch);
+        let height = |line: usize| height_field.height[line];
         let along = Difference::new(height(line - across), height(line), height(line + across), pitch);
         let sideways = Difference::new(height(line - 1), height(line), height(line + 1), pitch);
         let corners = [line - across - 1, line - across + 1, line + across - 1, line + across + 1].map(height);
         let is_near = corners.iter().all(|corner| (corner - height(line)).abs() < 2.0 * pitch);
         let twist = if is_near { 0.25 * (corners[0] - corners[1] - corners[2] + corners[3]) } else { 0.0 };
-        let column = sheet.point(line);
+        let column = height_field.point(line);
         let steepest = (along.mean.abs() + 0.5 * along.bend.abs() + 0.5 * twist.abs())
             .hypot(sideways.mean.abs() + 0.5 * sideways.bend.abs() + 0.5 * twist.abs());
         let shift = depth - tool.depth(frame.local(column));

@@ -7,8 +7,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::{Border, ContactCells};
+use crate::height_field::HeightField;
 use crate::region::Region;
-use crate::sheet::Sheet;
 use robot::{Shape, Tool};
 
 /// Value of a share that has to be measured individually.
@@ -35,16 +35,16 @@ pub(super) fn rows_around(
 
 /// Positions of consecutive columns of a row in the tool's frame.
 #[inline(always)]
-fn local(border: &Border, sheet: &Sheet, lines: &Range<usize>) -> impl Iterator<Item = DVec3> {
-    let ([u, v], pitch) = (sheet.places()[lines.start], sheet.pitch);
-    let heights = sheet.height[lines.clone()].iter().enumerate();
+fn local(border: &Border, height_field: &HeightField, lines: &Range<usize>) -> impl Iterator<Item = DVec3> {
+    let ([u, v], pitch) = (height_field.places()[lines.start], height_field.pitch);
+    let heights = height_field.height[lines.clone()].iter().enumerate();
     heights.map(move |(i, height)| border.frame.local(DVec3::new(u, v + f64::from(i as i32) * pitch, *height)))
 }
 
 /// Computes the depth at the columns that may be under a tool, and around them.
 pub(super) struct Depths<'a> {
     pub(super) border: &'a Border<'a>,
-    pub(super) sheet: &'a Sheet,
+    pub(super) height_field: &'a HeightField,
     pub(super) contact_cells: &'a mut ContactCells,
 }
 
@@ -53,10 +53,10 @@ impl pulp::NullaryFnOnce for Depths<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, contact_cells } = self;
+        let Self { border, height_field, contact_cells } = self;
         let ContactCells { region, columns, depth, .. } = contact_cells;
-        for lines in rows_around(region, columns, sheet.window.size[1]) {
-            let places = local(border, sheet, &lines);
+        for lines in rows_around(region, columns, height_field.window.size[1]) {
+            let places = local(border, height_field, &lines);
             let depths = depth[lines.clone()].iter_mut().zip(places);
             match border.tool {
                 Tool::Wheel(wheel) => {
@@ -83,7 +83,7 @@ impl pulp::NullaryFnOnce for Depths<'_> {
 /// sweep also the lag.
 pub(super) struct Covers<'a> {
     pub(super) border: &'a Border<'a>,
-    pub(super) sheet: &'a Sheet,
+    pub(super) height_field: &'a HeightField,
     pub(super) contact_cells: &'a mut ContactCells,
 }
 
@@ -92,32 +92,37 @@ impl pulp::NullaryFnOnce for Covers<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, contact_cells } = self;
+        let Self { border, height_field, contact_cells } = self;
         for (row, columns) in contact_cells.region.rows.clone().zip(&contact_cells.columns) {
-            let first = row * sheet.window.size[1];
+            let first = row * height_field.window.size[1];
             let lines = first + columns.start..first + columns.end;
             if lines.is_empty() {
                 continue;
             }
             let lag = contact_cells.lag.get_mut(lines.clone()).unwrap_or_default();
-            cover_row(border, sheet, &lines, (&mut contact_cells.cover[lines.clone()], lag));
+            cover_row(border, height_field, &lines, (&mut contact_cells.cover[lines.clone()], lag));
         }
     }
 }
 
 #[inline(always)]
-fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
+fn cover_row(
+    border: &Border,
+    height_field: &HeightField,
+    lines: &Range<usize>,
+    (cover, lag): (&mut [f64], &mut [f64]),
+) {
     lag.fill(0.0);
     match border.tool {
         Tool::Wheel(wheel) => {
-            for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
+            for (cover, at) in cover.iter_mut().zip(local(border, height_field, lines)) {
                 let within = wheel.within(at);
                 let beside = if within <= -border.near { 0.0 } else { UNRESOLVED };
                 *cover = if within >= border.near { 1.0 } else { beside };
             }
         }
         Tool::Pad(_) => {
-            for (cover, at) in cover.iter_mut().zip(local(border, sheet, lines)) {
+            for (cover, at) in cover.iter_mut().zip(local(border, height_field, lines)) {
                 let square = at.x * at.x + at.y * at.y;
                 let beside = if square >= border.ring.1 { 0.0 } else { UNRESOLVED };
                 *cover = if square <= border.ring.0 { 1.0 } else { beside };
@@ -127,27 +132,32 @@ fn cover_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
                 let places = place..place + part.len();
                 if part[0] == UNRESOLVED {
                     let lag = lag.get_mut(places.clone()).unwrap_or_default();
-                    cross_row(border, sheet, &(lines.start + place..lines.start + places.end), (part, lag));
+                    cross_row(border, height_field, &(lines.start + place..lines.start + places.end), (part, lag));
                 }
                 place = places.end;
             }
         }
-        Tool::Sphere(_) | Tool::Field(_) => cover.fill(1.0),
+        _ => cover.fill(1.0),
     }
 }
 
 /// Cover of cells that the border of a pad may cross.
 #[inline(always)]
-fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag): (&mut [f64], &mut [f64])) {
-    let contact_cells = local(border, sheet, lines).zip(&sheet.slope[lines.clone()]);
+fn cross_row(
+    border: &Border,
+    height_field: &HeightField,
+    lines: &Range<usize>,
+    (cover, lag): (&mut [f64], &mut [f64]),
+) {
+    let contact_cells = local(border, height_field, lines).zip(&height_field.slope[lines.clone()]);
     if lag.is_empty() {
         for (share, (at, slope)) in cover.iter_mut().zip(contact_cells) {
-            *share = border.disc_cover(at, *slope, sheet.pitch).share;
+            *share = border.disc_cover(at, *slope, height_field.pitch).share;
         }
         return;
     }
     for ((share, lag), (at, slope)) in cover.iter_mut().zip(lag).zip(contact_cells) {
-        let cover = border.disc_cover(at, *slope, sheet.pitch);
+        let cover = border.disc_cover(at, *slope, height_field.pitch);
         (*share, *lag) = (cover.share, cover.lag);
     }
 }
@@ -155,7 +165,7 @@ fn cross_row(border: &Border, sheet: &Sheet, lines: &Range<usize>, (cover, lag):
 /// Settles the cells that are entirely in or entirely out of contact; the others get [`UNRESOLVED`] as their share.
 pub(super) struct ClassifyCells<'a> {
     pub(super) border: &'a Border<'a>,
-    pub(super) sheet: &'a Sheet,
+    pub(super) height_field: &'a HeightField,
     pub(super) contact_cells: &'a mut ContactCells,
 }
 
@@ -164,24 +174,24 @@ impl pulp::NullaryFnOnce for ClassifyCells<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { border, sheet, contact_cells } = self;
-        let (across, mut is_steady) = (sheet.window.size[1], true);
+        let Self { border, height_field, contact_cells } = self;
+        let (across, mut is_steady) = (height_field.window.size[1], true);
         for (place, row) in contact_cells.region.rows.clone().enumerate() {
             let columns = &contact_cells.columns[place];
             let (first, count) = (row * across + columns.start, columns.len());
             is_steady &= if contact_cells.lag.is_empty() {
-                settle_row(contact_cells, (first, count), (across, sheet.pitch), (0.0, |_| 0.0))
+                settle_row(contact_cells, (first, count), (across, height_field.pitch), (0.0, |_| 0.0))
             } else {
                 let lag = std::mem::take(&mut contact_cells.lag);
                 let row = &lag[first..first + count];
                 let sinking = |i: usize| border.sinking * row[i];
                 let row_is_steady =
-                    settle_row(contact_cells, (first, count), (across, sheet.pitch), (border.sunk(), sinking));
+                    settle_row(contact_cells, (first, count), (across, height_field.pitch), (border.sunk(), sinking));
                 contact_cells.lag = lag;
                 row_is_steady
             };
         }
-        contact_cells.room = if is_steady { STEADY * sheet.pitch } else { 0.0 };
+        contact_cells.room = if is_steady { STEADY * height_field.pitch } else { 0.0 };
     }
 }
 

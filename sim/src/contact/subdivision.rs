@@ -7,10 +7,10 @@ use glam::DVec3;
 use super::border::Border;
 use super::patch::Patch;
 use super::rows::UNRESOLVED;
-use super::{ContactCells, SheetFrame};
+use super::{ContactCells, HeightFieldFrame};
 use crate::extent::Extent;
+use crate::height_field::{HeightField, NO_SURFACE};
 use crate::pose::Placement;
-use crate::sheet::{NO_SURFACE, Sheet};
 use robot::Tool;
 
 /// Second difference below which depths count as a plane [pitches]: a thousand times the rounding error of the heights.
@@ -31,12 +31,12 @@ impl ContactCells {
 
     /// Marks the cells to be measured one by one: all that may be in contact, except cells that are entirely in or out
     /// of contact and whose depths lie on a plane.
-    pub(super) fn unsettle(&mut self, sheet: &Sheet) {
+    pub(super) fn unsettle(&mut self, height_field: &HeightField) {
         for (row, columns) in self.region.rows.clone().zip(self.columns.clone()) {
-            for line in columns.map(|column| row * sheet.window.size[1] + column) {
+            for line in columns.map(|column| row * height_field.window.size[1] + column) {
                 let is_settled = self.share[line] == 1.0 || self.share[line] == 0.0;
-                let is_plain = is_settled && self.is_straight(sheet, line);
-                if self.may_be_wet(sheet, line, 0.0) && !is_plain {
+                let is_plain = is_settled && self.is_straight(height_field, line);
+                if self.may_be_wet(height_field, line, 0.0) && !is_plain {
                     (self.mean_depth[line], self.share[line], self.area[line]) = (0.0, UNRESOLVED, 0.0);
                 }
             }
@@ -45,22 +45,22 @@ impl ContactCells {
 
     /// True if a point of a cell may lie deeper than `depth` [m]: depths change by at most the distance along the
     /// surface.
-    pub(super) fn may_be_wet(&self, sheet: &Sheet, line: usize, depth: f64) -> bool {
+    pub(super) fn may_be_wet(&self, height_field: &HeightField, line: usize, depth: f64) -> bool {
         // Half a diagonal, and how much the slope may still change within the cell.
-        let reach = 0.75 * sheet.pitch * (sheet.area_ratio(line) + 0.5);
-        sheet.height[line] > NO_SURFACE && self.depth[line] + reach > depth
+        let reach = 0.75 * height_field.pitch * (height_field.area_ratio(line) + 0.5);
+        height_field.height[line] > NO_SURFACE && self.depth[line] + reach > depth
     }
 
     /// True if the depths at a column and its eight neighbours lie on a plane.
-    pub(super) fn is_straight(&self, sheet: &Sheet, line: usize) -> bool {
-        let across = sheet.window.size[1];
+    pub(super) fn is_straight(&self, height_field: &HeightField, line: usize) -> bool {
+        let across = height_field.window.size[1];
         let bend = |step: usize| self.depth[line - step] - 2.0 * self.depth[line] + self.depth[line + step];
-        [1, across, across - 1, across + 1].into_iter().all(|step| bend(step).abs() <= STRAIGHT * sheet.pitch)
+        [1, across, across - 1, across + 1].into_iter().all(|step| bend(step).abs() <= STRAIGHT * height_field.pitch)
     }
 
     /// Measures a cell by subdivision.
-    pub(super) fn measure_subdivided(&mut self, border: &Border, sheet: &Sheet, line: usize) {
-        let patch = Patch::new((border.tool, &border.frame), sheet, line, self.depth[line]);
+    pub(super) fn measure_subdivided(&mut self, border: &Border, height_field: &HeightField, line: usize) {
+        let patch = Patch::new((border.tool, &border.frame), height_field, line, self.depth[line]);
         let (mean, share) = patch.wet();
         if mean > 0.0 {
             (self.mean_depth[line], self.share[line], self.area[line]) = (mean, share, share);
@@ -69,15 +69,15 @@ impl ContactCells {
     }
 
     /// Extent of the patch in the tool's frame, with rim and border located between columns; `None` without contact.
-    pub(crate) fn extent(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
-        let (frame, across) = (SheetFrame::new(&place.pose, sheet), sheet.window.size[1]);
+    pub(crate) fn extent(&self, place: &Placement, height_field: &HeightField) -> Option<Extent> {
+        let (frame, across) = (HeightFieldFrame::new(&place.pose, height_field), height_field.window.size[1]);
         let is_full = |line: &usize| self.share[*line] == 1.0;
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for line in self.wet.runs().iter().flat_map(|run| run.lines.clone()) {
             if [line, line - 1, line + 1, line - across, line + across].iter().all(is_full) {
                 continue;
             }
-            let patch = Patch::new((place.tool, &frame), sheet, line, self.depth[line]);
+            let patch = Patch::new((place.tool, &frame), height_field, line, self.depth[line]);
             rim_points(&patch, &mut |at| {
                 let at = frame.local(patch.point(at));
                 (low, high) = (low.min(at), high.max(at));

@@ -59,8 +59,8 @@ pub fn refusal(pass: &Pass) -> Option<String> {
 
 /// The same for a tool and a model alone.
 pub fn refusal_of(tool: &Tool, model: &CompiledModel) -> Option<String> {
-    if matches!(tool, Tool::Field(_)) {
-        return Some("a tool baked into a field".to_owned());
+    if setup::shape_on_device(tool).is_none() {
+        return Some("a tool of this shape".to_owned());
     }
     DeviceModel::new(model, tool_cells::COUNT).err().map(|fault| format!("a model in which {fault}"))
 }

@@ -105,7 +105,7 @@ pub(super) fn setup(
     setup.force_setpoint = settings.force_setpoint as f32;
     setup.spindle_speed = settings.spindle_speed as f32;
     let step_limits = scheme.step_limits(pass, voxel);
-    (setup.step_way, setup.commit_way) = (in_voxels(step_limits.step_way), in_voxels(step_limits.sheet_way));
+    (setup.step_way, setup.write_back_way) = (in_voxels(step_limits.step_way), in_voxels(step_limits.height_field_way));
     setup.search_reach = in_voxels(settings.search_reach);
     setup.coating = settings.coating as f32;
     let longest_step = settings.longest_step(pass.model)?;
@@ -123,14 +123,20 @@ pub(super) fn setup(
     Ok((setup, step_limits))
 }
 
+/// Id and radius [m] of a tool's shape in the shaders; `None` if they lack it.
+pub(super) fn shape_on_device(tool: &Tool) -> Option<(u32, f64)> {
+    match tool {
+        Tool::Wheel(wheel) => Some((TOOL_WHEEL, wheel.radius)),
+        Tool::Pad(pad) => Some((TOOL_PAD, pad.radius)),
+        Tool::Sphere(sphere) => Some((TOOL_SPHERE, sphere.radius)),
+        _ => None,
+    }
+}
+
 fn place_tool(setup: &mut TrialSetup, tool: &Tool, voxel: f64) {
     let in_voxels = |length: f64| (length / voxel) as f32;
-    (setup.tool, setup.tool_radius) = match tool {
-        Tool::Wheel(wheel) => (TOOL_WHEEL, in_voxels(wheel.radius)),
-        Tool::Pad(pad) => (TOOL_PAD, in_voxels(pad.radius)),
-        Tool::Sphere(sphere) => (TOOL_SPHERE, in_voxels(sphere.radius)),
-        Tool::Field(_) => unreachable!("a tool baked into a field is refused"),
-    };
+    let (shape, radius) = shape_on_device(tool).expect("other shapes are refused");
+    (setup.tool, setup.tool_radius) = (shape, in_voxels(radius));
     if let Tool::Wheel(wheel) = tool {
         setup.tool_half_width = in_voxels(0.5 * wheel.width);
         setup.tool_crown = (wheel.crown * voxel) as f32;

@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use super::contact_state::{ContactState, Side};
 use super::lanes::{Bounds, PARTS, dot};
-use crate::contact::{Contact, DeepestPoint, SheetFrame};
-use crate::covariates::Square;
+use crate::contact::{Contact, DeepestPoint, HeightFieldFrame};
+use crate::covariates::ContactCell;
 use crate::extent::Extent;
+use crate::height_field::HeightField;
 use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
-use crate::sheet::Sheet;
 use crate::tool_cells::{CellLoad, CellSums, ToolCells};
 use effects::Variable;
 use sdf_bake::simd::in_wide_lanes;
@@ -22,32 +22,32 @@ const LOOKED_AT: usize = 32;
 pub(super) struct ApproachShare(DVec3);
 
 impl ApproachShare {
-    pub(super) fn new(pose: &Pose, sheet: &Sheet) -> Self {
-        Self(sheet.facing.sheet(pose.approach))
+    pub(super) fn new(pose: &Pose, height_field: &HeightField) -> Self {
+        Self(height_field.facing.height_field(pose.approach))
     }
 
-    pub(super) fn of(&self, sheet: &Sheet, line: usize) -> f64 {
-        let [u, v] = sheet.slope[line];
+    pub(super) fn of(&self, height_field: &HeightField, line: usize) -> f64 {
+        let [u, v] = height_field.slope[line];
         (self.0.z - u * self.0.x - v * self.0.y).max(0.0)
     }
 
     /// Area of each column's cell that faces the approach axis [m²].
     #[inline(always)]
-    pub(super) fn fill(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
-        let area = sheet.pitch * sheet.pitch;
+    pub(super) fn fill(&self, height_field: &HeightField, lines: &Lines, out: &mut Vec<f64>) {
+        let area = height_field.pitch * height_field.pitch;
         out.resize(lines.len(), 0.0);
         for Run { lines, lanes } in lines.runs() {
-            for (facing, [u, v]) in out[lanes.clone()].iter_mut().zip(&sheet.slope[lines.clone()]) {
+            for (facing, [u, v]) in out[lanes.clone()].iter_mut().zip(&height_field.slope[lines.clone()]) {
                 *facing = area * (self.0.z - u * self.0.x - v * self.0.y).max(0.0);
             }
         }
     }
 
     /// The same in the processor's widest SIMD lanes.
-    pub(super) fn fill_wide(&self, sheet: &Sheet, lines: &Lines, out: &mut Vec<f64>) {
+    pub(super) fn fill_wide(&self, height_field: &HeightField, lines: &Lines, out: &mut Vec<f64>) {
         in_wide_lanes(
             #[inline(always)]
-            || self.fill(sheet, lines, out),
+            || self.fill(height_field, lines, out),
         );
     }
 }
@@ -74,13 +74,13 @@ pub(crate) struct ContactStep<'a> {
 
 impl ContactStep<'_> {
     /// Contact averaged over the step, with the moment left at 0, and the force at its end after recession [N].
-    pub(crate) fn contact(&self, sheet: &Sheet) -> (Contact, f64) {
+    pub(crate) fn contact(&self, height_field: &HeightField) -> (Contact, f64) {
         in_wide_lanes(
             #[inline(always)]
             || {
-                let (load, area) = self.load_and_area(sheet);
+                let (load, area) = self.load_and_area(height_field);
                 let force = dot(self.mean_load, self.facing);
-                let pressure_max = self.pressure_max(sheet);
+                let pressure_max = self.pressure_max(height_field);
                 let contact = Contact { force, load, area, pressure_max, ..Contact::default() };
                 (contact, dot(self.end_load, self.facing))
             },
@@ -89,20 +89,20 @@ impl ContactStep<'_> {
 
     /// Load [N] and area [m²] of the contact.
     #[inline(always)]
-    fn load_and_area(&self, sheet: &Sheet) -> (f64, f64) {
+    fn load_and_area(&self, height_field: &HeightField) -> (f64, f64) {
         let (mut load, mut area) = (0.0, 0.0);
         for Run { lines, lanes } in self.lines.runs() {
-            load += dot(&self.mean_load[lanes.clone()], &sheet.area_ratios()[lines.clone()]);
+            load += dot(&self.mean_load[lanes.clone()], &height_field.area_ratios()[lines.clone()]);
             let facing = &self.facing[lanes.clone()];
             let of = |side: &Side| dot(&side.contact_cells.area[lines.clone()], facing);
             area += 0.5 * (of(self.start) + of(self.end));
         }
-        (load * (sheet.pitch * sheet.pitch), area)
+        (load * (height_field.pitch * height_field.pitch), area)
     }
 
     /// Highest pressure [Pa]. A lane's pressure belongs to the cell's mean depth; the cell's middle may be deeper.
     #[inline(always)]
-    fn pressure_max(&self, sheet: &Sheet) -> f64 {
+    fn pressure_max(&self, height_field: &HeightField) -> f64 {
         let Side { lanes: start, contact_cells, .. } = self.start;
         let mut highest = 0.0f64;
         for Run { lines: run, lanes } in self.lines.runs() {
@@ -111,11 +111,11 @@ impl ContactStep<'_> {
                 let lanes = lanes.start + places.start..lanes.start + places.end;
                 let lines = run.start + places.start..run.start + places.end;
                 let lanes_of = (&start.pressure[lanes.clone()], &start.depth[lanes.clone()]);
-                if !contact_cells.may_exceed(highest, lanes_of, lines.clone(), sheet) {
+                if !contact_cells.may_exceed(highest, lanes_of, lines.clone(), height_field) {
                     continue;
                 }
                 for (line, lane) in lines.zip(lanes).filter(|(_, lane)| start.share[*lane] > 0.0) {
-                    let peak = (contact_cells.top(sheet, line) / start.depth[lane]).max(1.0);
+                    let peak = (contact_cells.top(height_field, line) / start.depth[lane]).max(1.0);
                     highest = highest.max(start.pressure[lane] * peak);
                 }
             }
@@ -137,29 +137,29 @@ impl ContactStep<'_> {
     }
 
     /// The deepest point under the working surface at the start of the step; `None` where there is no surface.
-    pub(crate) fn start_peak(&self, place: &Placement, sheet: &Sheet) -> Option<DeepestPoint> {
-        self.start.contact_cells.peak(place, sheet)
+    pub(crate) fn start_peak(&self, place: &Placement, height_field: &HeightField) -> Option<DeepestPoint> {
+        self.start.contact_cells.peak(place, height_field)
     }
 
     /// Extent of the contact at the end of the step, up to its rim; `None` without contact.
-    pub(crate) fn patch(&self, place: &Placement, sheet: &Sheet) -> Option<Extent> {
-        self.end.contact_cells.extent(place, sheet)
+    pub(crate) fn patch(&self, place: &Placement, height_field: &HeightField) -> Option<Extent> {
+        self.end.contact_cells.extent(place, height_field)
     }
 
     /// Moment of the mean force about the tool's reference point [N m].
-    pub(crate) fn moment(&self, pose: &Pose, sheet: &Sheet) -> DVec3 {
-        let area = sheet.pitch * sheet.pitch;
-        let normal = ApproachShare::new(pose, sheet);
+    pub(crate) fn moment(&self, pose: &Pose, height_field: &HeightField) -> DVec3 {
+        let area = height_field.pitch * height_field.pitch;
+        let normal = ApproachShare::new(pose, height_field);
         let moment = |(load, &line): (&f64, &u32)| {
-            let arm = sheet.facing.world(sheet.point(line as usize)) - pose.centre;
-            arm.cross(pose.approach) * (load * area * normal.of(sheet, line as usize))
+            let arm = height_field.facing.world(height_field.point(line as usize)) - pose.centre;
+            arm.cross(pose.approach) * (load * area * normal.of(height_field, line as usize))
         };
         self.mean_load.iter().zip(self.lines.list()).map(moment).sum()
     }
 
     /// Results of the step for each cell in contact.
-    pub(crate) fn contact_cells(&self) -> impl Iterator<Item = Square> {
-        self.lines.list().iter().enumerate().map(|(lane, &line)| Square {
+    pub(crate) fn contact_cells(&self) -> impl Iterator<Item = ContactCell> {
+        self.lines.list().iter().enumerate().map(|(lane, &line)| ContactCell {
             line: line as usize,
             share: 0.5 * (self.start.lanes.share[lane] + self.end.lanes.share[lane]),
             load: self.mean_load[lane],
@@ -169,20 +169,26 @@ impl ContactStep<'_> {
     }
 
     /// Results for each cell of the tool: means over its contact, and the amounts removed under it.
-    pub(crate) fn cell_sums(&self, place: &Placement, sheet: &Sheet, physics: &Physics, dt: f64) -> CellSums {
+    pub(crate) fn cell_sums(
+        &self,
+        place: &Placement,
+        height_field: &HeightField,
+        physics: &Physics,
+        dt: f64,
+    ) -> CellSums {
         let mut sums = CellSums::default();
-        let (places, frame) = (ToolCells::of(place.tool), SheetFrame::new(&place.pose, sheet));
-        for (square, &line) in self.contact_cells().zip(self.lines.list()) {
-            let at = frame.local(sheet.point(line as usize));
+        let (places, frame) = (ToolCells::of(place.tool), HeightFieldFrame::new(&place.pose, height_field));
+        for (cell, &line) in self.contact_cells().zip(self.lines.list()) {
+            let at = frame.local(height_field.point(line as usize));
             sums.add(
                 places.place(at),
                 &CellLoad {
-                    share: square.share,
-                    load: square.load,
+                    share: cell.share,
+                    load: cell.load,
                     slip_speed: physics.slip_speed(place.tool, at),
-                    recession: square.recession / dt,
-                    dose: square.dose / dt,
-                    surface: sheet.pitch * sheet.pitch * sheet.area_ratio(line as usize),
+                    recession: cell.recession / dt,
+                    dose: cell.dose / dt,
+                    surface: height_field.pitch * height_field.pitch * height_field.area_ratio(line as usize),
                     coating: physics.coating,
                 },
             );
@@ -191,22 +197,22 @@ impl ContactStep<'_> {
     }
 
     /// Extent of the contact; `None` without contact.
-    pub(crate) fn extent(&self, pose: &Pose, sheet: &Sheet) -> Option<Extent> {
+    pub(crate) fn extent(&self, pose: &Pose, height_field: &HeightField) -> Option<Extent> {
         let (x, y) = in_wide_lanes(
             #[inline(always)]
-            || self.bounds(&SheetFrame::new(pose, sheet), sheet),
+            || self.bounds(&HeightFieldFrame::new(pose, height_field), height_field),
         );
         (!self.lines.is_empty()).then_some(Extent { x, y })
     }
 
     /// Bounds of the contact along the tool's x and y [m].
     #[inline(always)]
-    fn bounds(&self, frame: &SheetFrame, sheet: &Sheet) -> ((f64, f64), (f64, f64)) {
+    fn bounds(&self, frame: &HeightFieldFrame, height_field: &HeightField) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (Bounds::NONE, Bounds::NONE);
         if frame.is_upright() {
             // If heights do not matter, the ends of a run lie furthest out.
             let ends = self.lines.runs().iter().flat_map(|Run { lines, .. }| [lines.start, lines.end - 1]);
-            for at in ends.map(|line| frame.local(sheet.point(line))) {
+            for at in ends.map(|line| frame.local(height_field.point(line))) {
                 x.take(0, at.x);
                 y.take(0, at.y);
             }
@@ -218,8 +224,8 @@ impl ContactStep<'_> {
             y.take(part, at.y);
         };
         for Run { lines, .. } in self.lines.runs() {
-            let (places, last) = sheet.places()[lines.clone()].as_chunks::<PARTS>();
-            let (heights, last_heights) = sheet.height[lines.clone()].as_chunks::<PARTS>();
+            let (places, last) = height_field.places()[lines.clone()].as_chunks::<PARTS>();
+            let (heights, last_heights) = height_field.height[lines.clone()].as_chunks::<PARTS>();
             for (places, heights) in places.iter().zip(heights) {
                 (0..PARTS).for_each(|part| take(part, places[part], heights[part]));
             }

@@ -33,7 +33,7 @@ impl Side {
         self.centre = place.pose.centre;
         physics.gap(place, ground, gap)?;
         self.contact_cells.measure(place, ground, gap);
-        physics.lap(Phase::Squares);
+        physics.lap(Phase::Cells);
         Ok(())
     }
 }

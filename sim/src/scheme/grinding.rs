@@ -17,12 +17,12 @@ use super::exponential_integrator::{IntegrateLanes, PROBE, Relaxed};
 use super::{AppliedRemoval, EndForce, Scheme, StepLimits, WindowRequest, nonlinear_correction, threshold};
 use crate::clock::Phase;
 use crate::contact::Ground;
+use crate::height_field::{HeightField, Window};
 use crate::lines::Lines;
 use crate::physics::{InContact, Physics};
 use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::settings::{LONGEST_STEP, Pass};
-use crate::sheet::{Sheet, Window};
 use effects::RunError;
 use robot::Tool;
 
@@ -64,12 +64,12 @@ impl Scheme for Grinding {
         let step_way = settings.step_voxels * voxel;
         let longest = |piece: usize| StepLimits::longest_step(path, piece, (step_way, LONGEST_STEP));
         let longest_steps = (0..path.pieces()).map(longest).collect();
-        StepLimits { step_way, sheet_way: settings.commit_voxels * voxel, longest_steps }
+        StepLimits { step_way, height_field_way: settings.write_back_voxels * voxel, longest_steps }
     }
 
     fn next_window(&self, ahead: &WindowRequest) -> (Window, f64) {
-        let StepLimits { step_way, sheet_way, .. } = ahead.step_limits;
-        (ahead.window)(&ahead.extent, ahead.until_written, (sheet_way / step_way).ceil())
+        let StepLimits { step_way, height_field_way, .. } = ahead.step_limits;
+        (ahead.window)(&ahead.extent, ahead.until_written, (height_field_way / step_way).ceil())
     }
 
     fn below(&self, _: f64, voxel: f64) -> f64 {
@@ -80,7 +80,7 @@ impl Scheme for Grinding {
         self.region = region;
     }
 
-    fn leave_sheet(&mut self) {
+    fn leave_height_field(&mut self) {
         self.bent = 0.0;
         self.goes_on = false;
     }
@@ -94,30 +94,30 @@ impl Scheme for Grinding {
         Placement::still(tool, pose_at(times.end))
     }
 
-    fn begin(&mut self, start: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
+    fn begin(&mut self, start: &Placement, height_field: &HeightField, physics: &mut Physics) -> Result<(), RunError> {
         if std::mem::take(&mut self.goes_on) {
             return Ok(());
         }
-        self.start.measure(start, &Ground { sheet, region: &self.region }, physics, &mut self.gap)
+        self.start.measure(start, &Ground { height_field, region: &self.region }, physics, &mut self.gap)
     }
 
     fn force_at(
         &mut self,
         place: &Placement,
-        sheet: &Sheet,
+        height_field: &HeightField,
         physics: &mut Physics,
         dt: f64,
     ) -> Result<EndForce, RunError> {
-        self.end.measure(place, &Ground { sheet, region: &self.region }, physics, &mut self.gap)?;
-        self.gather(place, (sheet, dt), physics.may_bend());
-        let at = InContact { sheet, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
+        self.end.measure(place, &Ground { height_field, region: &self.region }, physics, &mut self.gap)?;
+        self.gather(place, (height_field, dt), physics.may_bend());
+        let at = InContact { height_field, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
         physics.place(&self.middle(place), &at);
         self.integrate(physics, dt)?;
         if physics.may_bend() && dt > 0.0 {
             self.look_again(physics, dt)?;
         }
         // Eq. (4), force.
-        let force = self.force(&place.pose, sheet);
+        let force = self.force(&place.pose, height_field);
         physics.lap(Phase::Integrate);
         Ok(force)
     }
@@ -126,16 +126,22 @@ impl Scheme for Grinding {
         false
     }
 
-    fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
-        self.end.contact_cells.deepest(place, sheet)
+    fn gap(&self, place: &Placement, height_field: &HeightField) -> f64 {
+        self.end.contact_cells.deepest(place, height_field)
     }
 
-    fn reaches_border(&self, sheet: &Sheet) -> bool {
-        self.start.contact_cells.reaches_border(sheet) || self.end.contact_cells.reaches_border(sheet)
+    fn reaches_border(&self, height_field: &HeightField) -> bool {
+        self.start.contact_cells.reaches_border(height_field) || self.end.contact_cells.reaches_border(height_field)
     }
 
-    fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
-        let at = InContact { sheet, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
+    fn complete(
+        &mut self,
+        middle: &Placement,
+        height_field: &HeightField,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<(), RunError> {
+        let at = InContact { height_field, contact_cells: Some(&self.end.contact_cells), lines: &self.lines };
         physics.place_rest(&self.middle(middle), &at);
         // Eq. (2), dose.
         self.end.lanes.sand(physics)?;
@@ -145,7 +151,7 @@ impl Scheme for Grinding {
         self.dose.gain.clear();
         self.dose.gain.extend((0..self.lines.len()).map(gain));
         physics.lap(Phase::Model);
-        self.face(&middle.pose, sheet);
+        self.face(&middle.pose, height_field);
         Ok(())
     }
 
@@ -163,12 +169,12 @@ impl Scheme for Grinding {
         }
     }
 
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval {
-        let mut applied = self.recede(sheet);
-        applied.removal.coating_volume = coating * self.dose.add_to(sheet, &self.lines);
+    fn apply(&mut self, height_field: &mut HeightField, coating: f64) -> AppliedRemoval {
+        let mut applied = self.recede(height_field);
+        applied.removal.coating_volume = coating * self.dose.add_to(height_field, &self.lines);
         self.bent += self.relaxed.recession.iter().copied().fold(0.0, f64::max);
-        if self.bent > BENT * sheet.pitch {
-            sheet.set_slopes_in(&self.region);
+        if self.bent > BENT * height_field.pitch {
+            height_field.set_slopes_in(&self.region);
             self.bent = 0.0;
         }
         self.go_on();
@@ -184,8 +190,8 @@ impl Grinding {
     }
 
     /// Computes how each cell faces the approach axis, for integrals over the step.
-    pub(crate) fn face(&mut self, pose: &Pose, sheet: &Sheet) {
-        ApproachShare::new(pose, sheet).fill_wide(sheet, &self.lines, &mut self.facing);
+    pub(crate) fn face(&mut self, pose: &Pose, height_field: &HeightField) {
+        ApproachShare::new(pose, height_field).fill_wide(height_field, &self.lines, &mut self.facing);
     }
 
     /// The tool in the middle of the step: both ends use its slip and positions, second order in the step's length.
@@ -195,16 +201,20 @@ impl Grinding {
     }
 
     /// Gathers the lanes of both ends of a step of `dt` [s].
-    fn gather(&mut self, place: &Placement, (sheet, dt): (&Sheet, f64), may_bend: bool) {
+    fn gather(&mut self, place: &Placement, (height_field, dt): (&HeightField, f64), may_bend: bool) {
         let (a, b) = (&self.start.contact_cells, &self.end.contact_cells);
         // The previous step may have used up the rest of a cell.
         self.lines.merge(&a.wet, &b.wet, |line| a.share[line] + b.share[line] > 0.0);
         self.start.lanes.gather(a, &self.lines);
         self.end.lanes.gather(b, &self.lines);
         // The slope at the deeper end alone locates a law's threshold only if the law is linear above it.
-        let square = if may_bend { 0.0 } else { sheet.pitch * sheet.pitch };
+        let square = if may_bend { 0.0 } else { height_field.pitch * height_field.pitch };
         let bends = place.tool.curvatures().map(|curvature| curvature * square);
-        contact_state::gather_receding((&mut self.start, &mut self.end), (sheet.window.size[1], bends), &self.lines);
+        contact_state::gather_receding(
+            (&mut self.start, &mut self.end),
+            (height_field.window.size[1], bends),
+            &self.lines,
+        );
         self.depth_rate.clear();
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let pairs = self.start.lanes.depth.iter().zip(&self.end.lanes.depth);
@@ -245,13 +255,13 @@ impl Grinding {
     }
 
     /// Force at the end of the step.
-    fn force(&self, pose: &Pose, sheet: &Sheet) -> EndForce {
-        let normal = ApproachShare::new(pose, sheet);
-        let area = sheet.pitch * sheet.pitch;
+    fn force(&self, pose: &Pose, height_field: &HeightField) -> EndForce {
+        let normal = ApproachShare::new(pose, height_field);
+        let area = height_field.pitch * height_field.pitch;
         let mut result = EndForce::default();
         let loads = self.relaxed.end_load.iter().zip(&self.relaxed.stiffness);
         for (&line, (load, stiffness)) in self.lines.list().iter().zip(loads) {
-            let facing = area * normal.of(sheet, line as usize);
+            let facing = area * normal.of(height_field, line as usize);
             result.force += load * facing;
             result.stiffness += stiffness * facing;
         }
@@ -259,14 +269,15 @@ impl Grinding {
     }
 
     /// Applies the recession to a height field.
-    fn recede(&self, sheet: &mut Sheet) -> AppliedRemoval {
+    fn recede(&self, height_field: &mut HeightField) -> AppliedRemoval {
         let mut applied = AppliedRemoval::default();
         let lanes = self.lines.list().iter().zip(&self.relaxed.recession);
         for (&line, &recession) in lanes.filter(|(_, recession)| **recession != 0.0) {
             let line = line as usize;
-            applied.removal.volume += recession * (sheet.pitch * sheet.pitch * sheet.area_ratio(line));
-            sheet.recede(line, recession);
-            let receded = (sheet.read_height[line] - sheet.height[line]) / sheet.area_ratio(line);
+            applied.removal.volume +=
+                recession * (height_field.pitch * height_field.pitch * height_field.area_ratio(line));
+            height_field.recede(line, recession);
+            let receded = (height_field.read_height[line] - height_field.height[line]) / height_field.area_ratio(line);
             applied.receded = applied.receded.max(receded);
         }
         applied

@@ -21,13 +21,13 @@ pub(crate) use self::contact_integrals::ContactStep;
 pub(crate) use self::grinding::Grinding;
 use self::sanding::Sanding;
 use crate::extent::Extent;
+use crate::height_field::{HeightField, Window};
 use crate::path::Path;
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::record::Removal;
 use crate::region::Region;
 use crate::settings::Pass;
-use crate::sheet::{Sheet, Window};
 use effects::RunError;
 use robot::Tool;
 
@@ -49,7 +49,7 @@ pub(crate) trait Scheme: Send {
     fn look_at(&mut self, region: Region);
 
     /// Forgets the previous step, because its height field is discarded.
-    fn leave_sheet(&mut self);
+    fn leave_height_field(&mut self);
 
     /// True if the step continues from the state that the previous one left, so that its start is in balance.
     fn goes_on(&self) -> bool;
@@ -61,13 +61,13 @@ pub(crate) trait Scheme: Send {
     ///
     /// # Errors
     /// A formula of the model that gives no finite number; the same for all methods that evaluate the model.
-    fn begin(&mut self, start: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError>;
+    fn begin(&mut self, start: &Placement, height_field: &HeightField, physics: &mut Physics) -> Result<(), RunError>;
 
     /// Force of a trial step of `dt` [s] with the tool at the given placement.
     fn force_at(
         &mut self,
         place: &Placement,
-        sheet: &Sheet,
+        height_field: &HeightField,
         physics: &mut Physics,
         dt: f64,
     ) -> Result<EndForce, RunError>;
@@ -77,19 +77,25 @@ pub(crate) trait Scheme: Send {
 
     /// Largest depth under the working surface at a placement [m]; negative when the tool is above the surface (the
     /// gap).
-    fn gap(&self, place: &Placement, sheet: &Sheet) -> f64;
+    fn gap(&self, place: &Placement, height_field: &HeightField) -> f64;
 
     /// True if the patch may extend beyond the region.
-    fn reaches_border(&self, sheet: &Sheet) -> bool;
+    fn reaches_border(&self, height_field: &HeightField) -> bool;
 
     /// Completes the step of `dt` [s] once its force is balanced; `middle` is the tool in the middle of the step.
-    fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError>;
+    fn complete(
+        &mut self,
+        middle: &Placement,
+        height_field: &HeightField,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<(), RunError>;
 
     /// Result of the step for the cells in contact.
     fn step(&self) -> ContactStep<'_>;
 
     /// Applies the step to a height field and its `coating` [m].
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval;
+    fn apply(&mut self, height_field: &mut HeightField, coating: f64) -> AppliedRemoval;
 }
 
 /// The scheme of a model.
@@ -103,7 +109,7 @@ pub(crate) struct StepLimits {
     /// Longest distance in one step [m].
     pub(crate) step_way: f64,
     /// Longest distance on one height field [m].
-    pub(crate) sheet_way: f64,
+    pub(crate) height_field_way: f64,
     /// Longest step that may begin on each segment of the path [s].
     pub(crate) longest_steps: Vec<f64>,
 }

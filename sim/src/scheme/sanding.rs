@@ -14,13 +14,13 @@ use super::{AppliedRemoval, EndForce, Scheme, StepLimits, WindowRequest};
 use crate::clock::Phase;
 use crate::contact::Ground;
 use crate::extent::Extent;
+use crate::height_field::{HeightField, Window};
 use crate::lines::Lines;
 use crate::physics::{InContact, Physics};
 use crate::pose::{Placement, Pose};
 use crate::record::Removal;
 use crate::region::Region;
 use crate::settings::{LONGEST_STEADY_STEP, LONGEST_STEP, Pass};
-use crate::sheet::{Sheet, Window};
 use effects::RunError;
 use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
@@ -32,7 +32,7 @@ const STEADY_STEP: (f64, f64) = (0.06, LONGEST_STEADY_STEP);
 /// Relative change of the velocity up to which it counts as kept [1].
 const STEADY: f64 = 0.05;
 /// Distance of the tool on one height field [footprints]; the surface stays as it was read.
-const SHEET: f64 = 1.0;
+const HEIGHT_FIELD: f64 = 1.0;
 /// Maximum number of columns of a height field, unless the next steps need more: about 40 MB.
 const MOST_LINES: usize = 1 << 18;
 /// Maximum number of poses of the path ahead that choose a window: a tool that hardly moves would need endless time.
@@ -73,7 +73,7 @@ impl Scheme for Sanding {
         };
         StepLimits {
             step_way: step_way.max(STEADY_STEP.0 * footprint),
-            sheet_way: (settings.commit_voxels * voxel).max(SHEET * footprint),
+            height_field_way: (settings.write_back_voxels * voxel).max(HEIGHT_FIELD * footprint),
             longest_steps: (0..path.pieces()).map(longest).collect(),
         }
     }
@@ -100,7 +100,7 @@ impl Scheme for Sanding {
         self.middle.contact_cells.forget();
     }
 
-    fn leave_sheet(&mut self) {}
+    fn leave_height_field(&mut self) {}
 
     fn goes_on(&self) -> bool {
         true
@@ -112,28 +112,28 @@ impl Scheme for Sanding {
         Placement { tool, pose: pose_at(0.5 * (times.start + times.end)), sweep }
     }
 
-    fn begin(&mut self, _: &Placement, _: &Sheet, _: &mut Physics) -> Result<(), RunError> {
+    fn begin(&mut self, _: &Placement, _: &HeightField, _: &mut Physics) -> Result<(), RunError> {
         Ok(())
     }
 
     fn force_at(
         &mut self,
         place: &Placement,
-        sheet: &Sheet,
+        height_field: &HeightField,
         physics: &mut Physics,
         _: f64,
     ) -> Result<EndForce, RunError> {
-        self.measure(place, sheet, physics)?;
+        self.measure(place, height_field, physics)?;
         let Self { middle, lines, zeros, .. } = self;
         lines.clone_from(&middle.contact_cells.wet);
         middle.lanes.gather(&middle.contact_cells, lines);
         zeros.resize(lines.len(), 0.0);
-        physics.place(place, &InContact { sheet, contact_cells: Some(&middle.contact_cells), lines });
+        physics.place(place, &InContact { height_field, contact_cells: Some(&middle.contact_cells), lines });
         // Eq. (3), pressure.
         middle.lanes.press(physics, zeros)?;
         physics.lap(Phase::Model);
         // Eq. (4), force.
-        let force = self.force(&place.pose, sheet);
+        let force = self.force(&place.pose, height_field);
         physics.lap(Phase::Integrate);
         Ok(force)
     }
@@ -142,18 +142,24 @@ impl Scheme for Sanding {
         true
     }
 
-    fn gap(&self, place: &Placement, sheet: &Sheet) -> f64 {
-        self.middle.contact_cells.deepest(place, sheet)
+    fn gap(&self, place: &Placement, height_field: &HeightField) -> f64 {
+        self.middle.contact_cells.deepest(place, height_field)
     }
 
-    fn reaches_border(&self, sheet: &Sheet) -> bool {
-        self.middle.contact_cells.reaches_border(sheet)
+    fn reaches_border(&self, height_field: &HeightField) -> bool {
+        self.middle.contact_cells.reaches_border(height_field)
     }
 
-    fn complete(&mut self, middle: &Placement, sheet: &Sheet, physics: &mut Physics, dt: f64) -> Result<(), RunError> {
+    fn complete(
+        &mut self,
+        middle: &Placement,
+        height_field: &HeightField,
+        physics: &mut Physics,
+        dt: f64,
+    ) -> Result<(), RunError> {
         let Self { middle: Side { centre, contact_cells, lanes }, lines, dose, .. } = self;
         let place = Placement { pose: Pose { centre: *centre, ..middle.pose }, ..*middle };
-        physics.place_rest(&place, &InContact { sheet, contact_cells: Some(contact_cells), lines });
+        physics.place_rest(&place, &InContact { height_field, contact_cells: Some(contact_cells), lines });
         // Eq. (2), dose.
         lanes.sand(physics)?;
         lanes.rate.resize(lines.len(), 0.0);
@@ -177,35 +183,40 @@ impl Scheme for Sanding {
         }
     }
 
-    fn apply(&mut self, sheet: &mut Sheet, coating: f64) -> AppliedRemoval {
-        let coating_volume = coating * self.dose.add_to(sheet, &self.lines);
+    fn apply(&mut self, height_field: &mut HeightField, coating: f64) -> AppliedRemoval {
+        let coating_volume = coating * self.dose.add_to(height_field, &self.lines);
         AppliedRemoval { removal: Removal { volume: 0.0, coating_volume }, receded: 0.0 }
     }
 }
 
 impl Sanding {
     /// Measures the cells: updates their depths if the tool only moved along its axis, otherwise measures all again.
-    fn measure(&mut self, place: &Placement, sheet: &Sheet, physics: &mut Physics) -> Result<(), RunError> {
+    fn measure(
+        &mut self,
+        place: &Placement,
+        height_field: &HeightField,
+        physics: &mut Physics,
+    ) -> Result<(), RunError> {
         let Self { region, gap, middle: Side { centre, contact_cells, .. }, .. } = self;
         *centre = place.pose.centre;
-        let ground = Ground { sheet, region };
+        let ground = Ground { height_field, region };
         physics.gap(place, &ground, gap)?;
-        if !gap.is_empty() || !contact_cells.measure_deeper(place, sheet) {
+        if !gap.is_empty() || !contact_cells.measure_deeper(place, height_field) {
             contact_cells.measure(place, &ground, gap);
         }
-        physics.lap(Phase::Squares);
+        physics.lap(Phase::Cells);
         Ok(())
     }
 
     /// Force under the pressures, and its slope; fills load, stiffness and facing.
-    fn force(&mut self, pose: &Pose, sheet: &Sheet) -> EndForce {
+    fn force(&mut self, pose: &Pose, height_field: &HeightField) -> EndForce {
         let Self { middle: Side { lanes, .. }, load, stiffness, facing, lines, .. } = self;
         load.resize(lines.len(), 0.0);
         stiffness.resize(lines.len(), 0.0);
         in_wide_lanes(
             #[inline(always)]
             || {
-                ApproachShare::new(pose, sheet).fill(sheet, lines, facing);
+                ApproachShare::new(pose, height_field).fill(height_field, lines, facing);
                 let (pressures, shares, depths) = (&lanes.pressure[..lines.len()], &lanes.share, &lanes.depth);
                 for ((load, pressure), share) in load.iter_mut().zip(pressures).zip(shares) {
                     *load = pressure * share;

@@ -6,12 +6,12 @@ use super::Runner;
 use crate::clock::Phase;
 use crate::control::{Motion, Response};
 use crate::extent::Extent;
+use crate::height_field::{Facing, Window};
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::region::Region;
 use crate::scheme::{EndForce, WindowRequest};
 use crate::settings::{LONGEST_STEP, Pass};
-use crate::sheet::{Facing, Window};
 use effects::RunError;
 use robot::Controller;
 
@@ -33,10 +33,10 @@ impl Runner<'_> {
     fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let mut searched = false;
         loop {
-            self.choose_sheet(dt, searched);
+            self.choose_height_field(dt, searched);
             let motion = self.try_motion(dt)?;
             if motion.is_some()
-                && self.scheme.reaches_border(self.workpiece.sheet())
+                && self.scheme.reaches_border(self.workpiece.height_field())
                 && let Some(extent) = self.workpiece.extent.grown(self.pass.tool, self.workpiece.grid.voxel)
             {
                 self.write_back();
@@ -67,14 +67,15 @@ impl Runner<'_> {
     /// Solves for the motion at the end of a step of `dt` [s].
     fn try_step(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
         let Self { pass: Pass { tool, .. }, guide, workpiece, scheme, physics, .. } = self;
-        let (start, sheet, from) = (Placement::still(tool, guide.here()), workpiece.sheet(), guide.motion);
+        let (start, height_field, from) =
+            (Placement::still(tool, guide.here()), workpiece.height_field(), guide.motion);
         let place = scheme.measured(tool, guide.time..guide.time + dt, &|time| guide.pose(time, 0.0));
-        scheme.begin(&start, sheet, physics)?;
+        scheme.begin(&start, height_field, physics)?;
         let is_mean = scheme.is_mean();
         let mut force_at = |physics: &mut Physics, travel: f64| {
             let place = Placement { pose: place.pose.lifted(travel), ..place };
-            let force = scheme.force_at(&place, sheet, physics, dt)?;
-            let depth = if force.force > 0.0 { 0.0 } else { scheme.gap(&place, sheet) };
+            let force = scheme.force_at(&place, height_field, physics, dt)?;
+            let depth = if force.force > 0.0 { 0.0 } else { scheme.gap(&place, height_field) };
             Ok((force, depth))
         };
         if let Some(motion) = guide.blind_motion(physics, dt)? {
@@ -96,7 +97,7 @@ impl Runner<'_> {
 
     /// Ensures a height field that contains the contact of a step of `dt` [s], and sets the scheme's region in it;
     /// `far` to search for the surface from the air.
-    fn choose_sheet(&mut self, dt: f64, far: bool) {
+    fn choose_height_field(&mut self, dt: f64, far: bool) {
         let Self { pass: Pass { tool, .. }, guide, workpiece, .. } = &*self;
         let voxel = workpiece.grid.voxel;
         let end = guide.time + dt;
@@ -106,17 +107,17 @@ impl Runner<'_> {
         let (window, _) = workpiece.extent.window(tool, &poses, facing, voxel);
         if !workpiece.holds(facing, &window) {
             self.write_back();
-            self.read_sheet(dt, facing, far);
+            self.read_height_field(dt, facing, far);
         }
-        self.scheme.look_at(Region::common(&self.workpiece.sheet().window, &window));
+        self.scheme.look_at(Region::common(&self.workpiece.height_field().window, &window));
     }
 
     /// Reads a height field that contains the contact of the next steps; `far` to search for the surface from the air.
-    fn read_sheet(&mut self, dt: f64, facing: Facing, far: bool) {
+    fn read_height_field(&mut self, dt: f64, facing: Facing, far: bool) {
         let Pass { tool, settings, .. } = self.pass;
         let (start, voxel) = (self.guide.here(), self.workpiece.grid.voxel);
         let (window, lowest) = self.next_window(dt, facing);
-        let level = facing.sheet(start.centre - start.frame.z * tool.drop()).z;
+        let level = facing.height_field(start.centre - start.frame.z * tool.drop()).z;
         let below = if far || self.guide.is_in_air() {
             2.0 * settings.search_reach
         } else {
@@ -142,7 +143,7 @@ impl Runner<'_> {
             extent: workpiece.extent,
             voxel,
             step_limits,
-            until_written: guide.time_for(step_limits.sheet_way + step_limits.step_way + LOOK_AHEAD * voxel),
+            until_written: guide.time_for(step_limits.height_field_way + step_limits.step_way + LOOK_AHEAD * voxel),
             until_end: path.duration() - guide.time - dt,
             window: &window,
         })

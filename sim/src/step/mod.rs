@@ -7,7 +7,7 @@ mod workpiece;
 
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
-use shaders::constants::COMMIT_RECESSION;
+use shaders::constants::WRITE_BACK_RECESSION;
 
 use self::guide::Guide;
 pub(crate) use self::suspended::Suspended;
@@ -96,13 +96,13 @@ impl<'a> Runner<'a> {
         let Some(motion) = motion else { return self.stay_in_air(dt) };
         let middle = Placement::still(self.pass.tool, self.guide.middle(motion, dt));
         // Dose, Eq. (2).
-        self.scheme.complete(&middle, self.workpiece.sheet(), &mut self.physics, dt)?;
+        self.scheme.complete(&middle, self.workpiece.height_field(), &mut self.physics, dt)?;
         // Force, Eq. (4), load and area, as means over the step.
-        let (contact, end_force) = self.scheme.step().contact(self.workpiece.sheet());
+        let (contact, end_force) = self.scheme.step().contact(self.workpiece.height_field());
         // Sums for each tool cell and each surface point, and the states of the workpiece's cells.
         let sums = self.advance_cells(&middle, dt)?;
         // The surface recedes, Eq. (1), and the coating gains its dose, Eq. (2).
-        let applied = self.scheme.apply(self.workpiece.sheet_mut(), self.pass.settings.coating);
+        let applied = self.scheme.apply(self.workpiece.height_field_mut(), self.pass.settings.coating);
         // Variables of formulas after this step, and the tool's states.
         let taken = AcceptedStep { motion, dt, contact, end_force, applied };
         self.leave(&middle, &taken, &sums)?;
@@ -128,24 +128,24 @@ impl<'a> Runner<'a> {
     /// workpiece's cells.
     fn advance_cells(&mut self, middle: &Placement, dt: f64) -> Result<CellSums, RunError> {
         let Self { pass, workpiece, guide, physics, scheme, .. } = self;
-        let (step, sheet) = (scheme.step(), workpiece.sheet());
+        let (step, height_field) = (scheme.step(), workpiece.height_field());
         let sums = if physics.model.needs_tool_cells() {
-            step.cell_sums(middle, sheet, physics, dt).means()
+            step.cell_sums(middle, height_field, physics, dt).means()
         } else {
             CellSums::default()
         };
-        physics.advance_cells(step.lines, &step.means(), sheet, dt)?;
+        physics.advance_cells(step.lines, &step.means(), height_field, dt)?;
         if let Some(covariates) = pass.covariates {
             let slip_speed = |point| physics.slip_speed(pass.tool, middle.pose.local(point));
             let begun = pass.trial_time + guide.time;
-            covariates.borrow_mut().add(sheet, step.contact_cells(), slip_speed, (begun, dt));
+            covariates.borrow_mut().add(height_field, step.contact_cells(), slip_speed, (begun, dt));
         }
         Ok(sums)
     }
 
     /// Sets the variables of formulas after a step, and advances the tool's states.
     fn leave(&mut self, middle: &Placement, taken: &AcceptedStep, sums: &CellSums) -> Result<(), RunError> {
-        let extent = self.scheme.step().extent(&middle.pose, self.workpiece.sheet());
+        let extent = self.scheme.step().extent(&middle.pose, self.workpiece.height_field());
         self.workpiece.extent = extent.unwrap_or(self.workpiece.extent);
         let patch_width = extent.map_or(0.0, |extent| extent.y.1 - extent.y.0);
         self.moment.leave(taken, self.guide.motion, patch_width);
@@ -168,8 +168,8 @@ impl<'a> Runner<'a> {
         self.record.push(row, (contact, &applied.removal), *dt, setpoint);
         self.physics.lap(Phase::Apply);
         // Half a step of tolerance: steps of equal length would end on the limit itself, and rounding would decide.
-        let is_far = self.workpiece.travelled + 0.5 * way > self.step_limits.sheet_way;
-        let is_deep = applied.receded > COMMIT_RECESSION * self.workpiece.grid.voxel;
+        let is_far = self.workpiece.travelled + 0.5 * way > self.step_limits.height_field_way;
+        let is_deep = applied.receded > WRITE_BACK_RECESSION * self.workpiece.grid.voxel;
         if self.scheme.recedes() && (is_far || is_deep) {
             self.write_back();
         }
@@ -193,7 +193,7 @@ impl<'a> Runner<'a> {
         if self.workpiece.write_back(!self.scheme.recedes()) {
             self.physics.lap(Phase::Write);
         }
-        self.scheme.leave_sheet();
+        self.scheme.leave_height_field();
     }
 
     /// Ends the pass.

@@ -4,7 +4,7 @@ use sdf_bake::BrickGrid;
 
 use super::Runner;
 use super::guide::ControllerState;
-use super::workpiece::Sheets;
+use super::workpiece::HeightFields;
 use crate::control::Motion;
 use crate::physics::FormulaMemory;
 use crate::record::PassRecord;
@@ -16,7 +16,7 @@ pub(crate) struct Suspended {
     /// Travel and speed of the tool along its approach axis.
     pub(crate) motion: Motion,
     course: ControllerState,
-    sheets: Sheets,
+    height_fields: HeightFields,
     memory: FormulaMemory,
     moment: Moment,
     /// `None` once the recession is written back: then the next stretch reads the field again.
@@ -26,7 +26,7 @@ pub(crate) struct Suspended {
 impl Suspended {
     /// Writes the recession back into the field. The next stretch reads the field again.
     pub(crate) fn settle(&mut self, grid: &mut BrickGrid) {
-        self.sheets.settle(grid);
+        self.height_fields.settle(grid);
         self.scheme = None;
     }
 
@@ -36,8 +36,8 @@ impl Suspended {
     /// Before [`Suspended::settle`].
     pub(crate) fn copy(&self) -> Self {
         assert!(self.scheme.is_none(), "the field holds all that was lost");
-        let Self { motion, course, ref sheets, ref memory, moment, .. } = *self;
-        Self { motion, course, sheets: sheets.clone(), memory: memory.clone(), moment, scheme: None }
+        let Self { motion, course, ref height_fields, ref memory, moment, .. } = *self;
+        Self { motion, course, height_fields: height_fields.clone(), memory: memory.clone(), moment, scheme: None }
     }
 }
 
@@ -51,7 +51,7 @@ impl<'a> Runner<'a> {
     /// Continues from the end of the previous stretch.
     pub(crate) fn take_up(&mut self, kept: Suspended) {
         self.guide.take_up(kept.course);
-        self.workpiece.take_up(kept.sheets);
+        self.workpiece.take_up(kept.height_fields);
         self.physics.take_up(kept.memory);
         self.moment = kept.moment;
         self.scheme = kept.scheme.unwrap_or_else(|| crate::scheme::scheme_of(&self.physics));
@@ -62,7 +62,7 @@ impl<'a> Runner<'a> {
         let kept = Suspended {
             motion: self.guide.motion,
             course: self.guide.course(),
-            sheets: self.workpiece.take_sheets(),
+            height_fields: self.workpiece.take_height_fields(),
             memory: self.physics.take_memory(),
             moment: self.moment,
             scheme: Some(self.scheme),

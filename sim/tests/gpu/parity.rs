@@ -110,7 +110,7 @@ fn a_narrow_strip_above_a_threshold_recedes_as_on_the_cpu() {
 }
 
 #[test]
-fn a_bead_is_ground_on_a_sheet_that_turns_as_on_the_cpu() {
+fn a_bead_is_ground_on_a_height_field_that_turns_as_on_the_cpu() {
     let Some(device) = device() else { return };
     let part = welded_plate(0.5e-3, 0.3);
     let path = Path::along(&line(-5e-3, 5e-3, 3e-3), 20e-3).unwrap();

@@ -66,8 +66,8 @@ const suspectRow = (row, unit) => {
   const add = make("button", { type: "button", "aria-label": `Add ${row.name} and fit` }, "Add");
   add.addEventListener("click", () => give({ task: "add", effect: row.name }));
   const figure = (text) => make("td", { className: "n" }, text);
-  const errors = row.evaluation_rms_um_before === null ? ""
-    : `${number(row.evaluation_rms_um_before)} \u2192 ${number(row.evaluation_rms_um_after)} ${unit}`;
+  const errors = row.evaluation_rms_before === null ? ""
+    : `${number(row.evaluation_rms_before)} \u2192 ${number(row.evaluation_rms_after)} ${unit}`;
   const alike = row.indistinguishable_from.join(", ");
   const note = row.ruled_out || (alike && `indistinguishable from ${alike}`) || "";
   return make("tr", { className: row.ruled_out ? "out" : "" }, make("th", { scope: "row", title: row.title }, row.name),

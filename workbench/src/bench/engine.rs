@@ -76,7 +76,7 @@ impl<'m> Engine<'m> {
         let (answer, report) = CalibrationAnswer::new(&mut self.data, &self.calibration, &self.library, model)?;
         let fitted = &self.calibration.last().fit.model;
         let live = self.data.scans().map(|(_, evidence)| Live::new(evidence, fitted, &report)).transpose()?;
-        self.data.free_observation();
+        self.data.free_nuisances();
         Ok(FitView { answer, report, live })
     }
 
@@ -112,7 +112,7 @@ impl<'m> Engine<'m> {
         let (model, fit) = (&self.calibration.model, self.calibration.last().fit.clone());
         let diagnosis = Diagnosis::within(self.data.evidence(), (model, fit), &self.library, (SEED, on_progress), 1)?;
         let summary = summary(&mut self.data, &diagnosis, &self.library);
-        self.data.free_observation();
+        self.data.free_nuisances();
         serde_json::to_value(summary?).map_err(LabError::from)
     }
 }

@@ -72,12 +72,13 @@ pub(crate) struct Slider {
 impl Errors {
     /// Takes the errors of a calibration's last model.
     pub(super) fn of(summary: &CalibrationSummary) -> Self {
-        let last = summary.waterfall.last();
+        let (last, unit) = (summary.waterfall.last(), summary.error_unit);
+        let shown = |error: f64| error * unit.per_one();
         Self {
-            unit: summary.error_unit.symbol().to_owned(),
-            calibration: last.map_or(f64::NAN, |step| step.calibration_rms_um),
-            held_out: last.and_then(|step| step.evaluation_rms_um),
-            floor: summary.noise_floor_um,
+            unit: unit.symbol().to_owned(),
+            calibration: last.map_or(f64::NAN, |step| shown(step.calibration_rms)),
+            held_out: last.and_then(|step| step.evaluation_rms).map(shown),
+            floor: shown(summary.noise_floor),
             chi2: summary.chi2,
             degrees_of_freedom: summary.degrees_of_freedom,
         }

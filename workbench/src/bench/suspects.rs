@@ -25,11 +25,11 @@ pub(super) struct Row {
     title: String,
     probability: f64,
     delta_chi2: f64,
-    /// Root mean square error of the held-out passes without the effect and with it.
+    /// Root mean square error of the held-out passes without the effect and with it; in [`Suspects::unit`] once read.
     #[serde(default)]
-    evaluation_rms_um_before: Option<f64>,
+    evaluation_rms_before: Option<f64>,
     #[serde(default)]
-    evaluation_rms_um_after: Option<f64>,
+    evaluation_rms_after: Option<f64>,
     #[serde(default)]
     ruled_out: Option<String>,
     #[serde(default)]
@@ -51,6 +51,11 @@ impl Suspects {
         let Diagnosis { sentence, none_probability, error_unit, mut suspects } =
             Diagnosis::deserialize(diagnosis).ok()?;
         suspects.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
+        for row in &mut suspects {
+            for error in [&mut row.evaluation_rms_before, &mut row.evaluation_rms_after].into_iter().flatten() {
+                *error *= error_unit.per_one();
+            }
+        }
         let unit = error_unit.symbol().to_owned();
         Some(Self { source, sentence, unit, none: none_probability, rows: suspects })
     }

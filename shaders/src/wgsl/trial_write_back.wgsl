@@ -1,4 +1,4 @@
-// Writing what a sheet lost back into the field, Eq. (1); twin of commit.rs. Each line writes its own voxels alone.
+// Writing what a height field lost back into the field, Eq. (1); twin of write_back.rs. Each line writes its own voxels alone.
 
 const LEAST_STEEPNESS: f32 = 0.3;
 const MOST_STEEPNESS: f32 = 2.0;

@@ -1,4 +1,4 @@
-// The wall that a wheel leaves beside it; twin of contact/wall.rs. All lengths in voxels.
+// The side face that a wheel leaves beside it; twin of contact/side_face.rs. All lengths in voxels.
 
 // One of a wheel's sides: the step from line to line that leads out of it, and the sign of its y there.
 struct Side {
@@ -15,19 +15,19 @@ fn side_distance(line: u32, side: Side, pose: Pose) -> f32 {
     return setup.tool_half_width - side.sign * local_point(line, pose).y;
 }
 
-// Whether a part of a column's square is within a side.
+// Whether a part of a column's cell is within a side.
 fn is_within(line: u32, side: Side, pose: Pose) -> bool {
     return side_distance(line, side, pose) > -0.5 * (abs(pose.y.x) + abs(pose.y.y));
 }
 
-// Share of a column's square that is beyond a side.
+// Share of a column's cell that is beyond a side.
 fn share_beyond(line: u32, side: Side, pose: Pose) -> f32 {
     let inward = -side.sign * pose.y;
     return 1.0 - cover_within(line, side_distance(line, side, pose), inward, state.sweep.xyz).share;
 }
 
-// What the wall at a side makes a column too deep by, `place` squares out from the outermost that is within: -1, 0 or 1.
-fn wall_part(place: i32, rim: u32, side: Side, pose: Pose) -> f32 {
+// What the side face at a side makes a column too deep by, `place` cells out from the outermost that is within: -1, 0 or 1.
+fn side_face_part(place: i32, rim: u32, side: Side, pose: Pose) -> f32 {
     let here = measured_depth(rim, pose);
     if here <= -1.0 {
         return 0.0;
@@ -36,25 +36,25 @@ fn wall_part(place: i32, rim: u32, side: Side, pose: Pose) -> f32 {
     let far = measured_depth(line_out(rim, side, -2), pose);
     let outer = measured_depth(line_out(rim, side, 1), pose);
     let outmost = measured_depth(line_out(rim, side, 2), pose);
-    let wall = ((outer - inner) + (outer - outmost)) - (inner - far);
-    if wall <= 0.0 || wall >= WALL {
+    let side_face = ((outer - inner) + (outer - outmost)) - (inner - far);
+    if side_face <= 0.0 || side_face >= WALL {
         return 0.0;
     }
     if place == 1 {
-        return wall;
+        return side_face;
     }
-    let inner_part = share_beyond(line_out(rim, side, -1), side, pose) * wall;
+    let inner_part = share_beyond(line_out(rim, side, -1), side, pose) * side_face;
     if place == -1 {
         return inner_part;
     }
     let inmost = measured_depth(line_out(rim, side, -3), pose);
     let groove = 3.0 * ((inner - far) - inner_part) + inmost;
-    return min(share_beyond(rim, side, pose) * wall, max(here - groove, 0.0));
+    return min(share_beyond(rim, side, pose) * side_face, max(here - groove, 0.0));
 }
 
 // The same of any column.
-fn beside_wall(line: u32, side: Side, at: i32, count: i32, pose: Pose) -> f32 {
-    // A rim has three squares within it and two beyond it in its row.
+fn beside_side_face(line: u32, side: Side, at: i32, count: i32, pose: Pose) -> f32 {
+    // A rim has three cells within it and two beyond it in its row.
     let low = select(3, 2, side.outwards < 0);
     let high = count - 1 - select(2, 3, side.outwards < 0);
     let way = select(1, -1, side.outwards < 0);
@@ -65,14 +65,14 @@ fn beside_wall(line: u32, side: Side, at: i32, count: i32, pose: Pose) -> f32 {
         }
         let rim = line_out(line, side, -place);
         if is_within(rim, side, pose) && !is_within(line_out(rim, side, 1), side, pose) {
-            return wall_part(place, rim, side, pose);
+            return side_face_part(place, rim, side, pose);
         }
     }
     return 0.0;
 }
 
-// Depth of a column of the region `grown` by the lines around it, without the walls at a wheel's border.
-fn depth_without_walls(line: u32, region: vec4u, pose: Pose) -> f32 {
+// Depth of a column of the region `grown` by the lines around it, without the side faces at a wheel's border.
+fn depth_without_side_faces(line: u32, region: vec4u, pose: Pose) -> f32 {
     let depth = measured_depth(line, pose);
     let is_near = abs(setup.tool_half_width - abs(local_point(line, pose).y)) < 3.0;
     if setup.tool != TOOL_WHEEL || !is_near {
@@ -90,6 +90,6 @@ fn depth_without_walls(line: u32, region: vec4u, pose: Pose) -> f32 {
     let high = Side(stride, rising);
     let low = Side(-stride, -rising);
     let count = i32(along.y);
-    let parts = beside_wall(line, high, i32(along.x), count, pose) + beside_wall(line, low, i32(along.x), count, pose);
+    let parts = beside_side_face(line, high, i32(along.x), count, pose) + beside_side_face(line, low, i32(along.x), count, pose);
     return depth - parts;
 }

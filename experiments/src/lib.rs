@@ -1,4 +1,5 @@
-//! The trial with the greatest expected information per minute about the hypotheses in play.
+//! The next experiment: the trial or the row of a table with the greatest expected information about the hypotheses
+//! that a diagnosis leaves in play.
 //!
 //! 1. `menu` has some fifty variants of a trial that was made (`design`): other settings
 //!    (`trial_simulation::PassPlan`), steps, pauses, dressing, direction, place, scans.
@@ -6,10 +7,12 @@
 //!    effects is the cause among them, and with each of their parameters moved.
 //! 3. `score` computes the expected information of a variant; the one with the most per minute is proposed, and the
 //!    next step after it.
+//! 4. `next_row` does the same for the rows of a table, of which eight variants are enough.
 
 mod design;
 mod hypothesis;
 mod menu;
+mod next_row;
 mod prediction;
 mod score;
 #[cfg(test)]
@@ -17,89 +20,18 @@ mod tests;
 
 use std::cmp::Ordering;
 
+use lab::criteria::{NAMED_PROBABILITY, NEXT_TRIAL_RUNNERS_UP};
+use lab::{Diagnosis, EvidenceError, MenuChoice, MenuLine, NextTrial, ScanEvidence, Worth};
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::diagnose::Diagnosis;
-use super::evidence::EvidenceError;
-use super::scans::ScanEvidence;
-use crate::criteria::{NAMED_PROBABILITY, NEXT_TRIAL_RUNNERS_UP};
 use design::Design;
 use prediction::{Outline, Predictor, TEMPLATE};
 use score::{Belief, Predicted, Score};
 use trial_simulation::without_scans;
 use trials::trial::{Pass, RPM, Trial};
 
-pub use hypothesis::Hypothesis;
-pub(super) use score::left_after_refit;
-
-/// A proposed trial.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NextTrial {
-    /// Description of the trial.
-    pub summary: String,
-    /// Force of each pass [N].
-    pub force_n: Vec<f64>,
-    /// Feed of each pass [mm/s].
-    pub feed_mm_s: Vec<f64>,
-    /// Spindle speed of each pass [rpm].
-    pub spindle_rpm: Vec<f64>,
-    /// Hypotheses that it would distinguish, most probable first; or the one effect whose prediction it would test.
-    pub separates: Vec<String>,
-    /// Expected difference of χ² between the first two; for one effect, between the models with and without it.
-    pub expected_delta_chi2: f64,
-    /// Lower bound of the expected probability that the most probable hypothesis is right afterwards.
-    pub probability_right: f64,
-    /// Cost, expected information and alternatives from the menu; absent for tables.
-    #[serde(flatten)]
-    pub choice: Option<MenuChoice>,
-}
-
-/// A trial chosen from a menu.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MenuChoice {
-    /// Cost and information of the trial.
-    #[serde(flatten)]
-    pub worth: Worth,
-    /// Box and Hill's discrimination [nat].
-    pub discrimination_nats: f64,
-    /// Entropy of the present probabilities: the most information that any trial can give [nat].
-    pub entropy_nats: f64,
-    /// Number of trials on the menu that could be simulated.
-    pub menu: usize,
-    /// The next best trials of the menu.
-    pub runners_up: Vec<MenuLine>,
-    /// The trial that would follow it; absent where it is expected to settle the question.
-    pub then: Option<MenuLine>,
-    /// Number of scans of each surface that are averaged.
-    pub scans_per_surface: usize,
-    /// The trial without its scans; two trials if the tool is dressed in between.
-    #[serde(skip)]
-    pub plan: Vec<Trial>,
-}
-
-/// Cost and information of a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Worth {
-    /// Expected time [min].
-    pub minutes: f64,
-    /// Number of new workpieces.
-    pub workpieces: usize,
-    /// Lower bound of the expected fall of the entropy of the probabilities [nat].
-    pub expected_information_nats: f64,
-    /// The same per minute.
-    pub nats_per_minute: f64,
-}
-
-/// One trial of the menu.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MenuLine {
-    /// Difference from the trial that was made.
-    pub summary: String,
-    /// Cost and information.
-    #[serde(flatten)]
-    pub worth: Worth,
-}
+pub use hypothesis::{Hypothesis, live_hypotheses};
+pub use next_row::{next_row, separating_row, testing_row};
 
 /// A trial of the menu with an upper bound of its information.
 struct Outlined<'a> {
@@ -115,12 +47,10 @@ struct Rated {
     score: Score,
 }
 
-impl NextTrial {
-    /// The same trial as a test of its first effect, for which no rival is left.
-    pub(super) fn into_test(mut self) -> Self {
-        self.separates.truncate(1);
-        self
-    }
+/// The same trial as a test of its first effect, for which no rival is left.
+fn as_test(mut trial: NextTrial) -> NextTrial {
+    trial.separates.truncate(1);
+    trial
 }
 
 /// The trial on which the effect that was found last changes the prediction most, as a test of the effect; `None` where
@@ -132,7 +62,7 @@ pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<O
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = Hypothesis { name: found.suspect.name(), probability: 0.5, fit: &found.suspect.fit };
     let without = Hypothesis { name: "without it", probability: 0.5, fit: &round.base };
-    Ok(next_trial(evidence, &[with, without], round.spread)?.map(NextTrial::into_test))
+    Ok(next_trial(evidence, &[with, without], round.spread)?.map(as_test))
 }
 
 /// The trial with the most information about the hypotheses of a diagnosis, where several are still in play.
@@ -140,7 +70,7 @@ pub fn testing_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<O
 /// # Errors
 /// If the campaign cannot be simulated.
 pub fn separating_trial(evidence: &ScanEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
-    let Some((round, live)) = diagnosis.live_hypotheses() else { return Ok(None) };
+    let Some((round, live)) = live_hypotheses(diagnosis) else { return Ok(None) };
     next_trial(evidence, &live, round.spread)
 }
 
@@ -212,7 +142,7 @@ impl Outlined<'_> {
 
 impl Rated {
     fn worth(&self) -> Worth {
-        Worth::new(&self.design, self.score.information)
+        self.design.worth(self.score.information)
     }
 
     fn line(&self) -> MenuLine {
@@ -225,25 +155,13 @@ impl Rated {
     }
 }
 
-impl Worth {
-    fn new(design: &Design, information: f64) -> Self {
-        let minutes = design.minutes();
-        Self {
-            minutes,
-            workpieces: design.workpieces(),
-            expected_information_nats: information,
-            nats_per_minute: information / minutes,
-        }
-    }
-}
-
 /// The trial with the most information per minute after the first one, whatever its result.
 fn after(beliefs: &[Belief], all: &[Rated]) -> Option<MenuLine> {
     let first = &all[0];
     let beside = |next: &Rated| {
         let joint: Vec<Predicted> = first.predicted.iter().zip(&next.predicted).map(|(a, b)| a.and(b)).collect();
         let information = Score::new(beliefs, &joint).information - first.score.information;
-        MenuLine { summary: next.design.what.clone(), worth: Worth::new(&next.design, information.max(0.0)) }
+        MenuLine { summary: next.design.what.clone(), worth: next.design.worth(information.max(0.0)) }
     };
     let lines: Vec<MenuLine> = all.par_iter().map(beside).collect();
     lines.into_iter().reduce(|a, b| if b.worth.nats_per_minute > a.worth.nats_per_minute { b } else { a })

@@ -5,10 +5,10 @@ use std::cell::OnceCell;
 
 use sdf_bake::BrickGrid;
 
-use super::{Facing, NO_SURFACE, Sheet, Window};
+use super::{Facing, HeightField, NO_SURFACE, Window};
 use crate::lattice_line::Lattice;
 
-impl Sheet {
+impl HeightField {
     /// Reads the surface in a window. On each column the search starts near `level` [m up], goes up if it starts inside
     /// the material, and otherwise down to `floor` [m up].
     pub fn read(grid: &BrickGrid, facing: Facing, window: Window, level: f64, floor: f64) -> Self {
@@ -27,7 +27,7 @@ impl Sheet {
         let lines = window.lines();
         let lattice = Lattice::new(grid, facing, &window);
         let on = window.all_places().map(|place| lattice.line(place)).collect();
-        let mut sheet = Self {
+        let mut height_field = Self {
             facing,
             pitch: grid.voxel,
             window,
@@ -44,16 +44,16 @@ impl Sheet {
             label: vec![0; lines],
             edges: OnceCell::new(),
         };
-        before.into_iter().for_each(|before| sheet.take_from(before));
-        let known = sheet.height.clone();
-        sheet.read_heights(grid, level, floor);
-        for height in sheet.height.iter().filter(|height| **height > NO_SURFACE) {
-            sheet.levels = (sheet.levels.0.min(*height), sheet.levels.1.max(*height));
+        before.into_iter().for_each(|before| height_field.take_from(before));
+        let known = height_field.height.clone();
+        height_field.read_heights(grid, level, floor);
+        for height in height_field.height.iter().filter(|height| **height > NO_SURFACE) {
+            height_field.levels = (height_field.levels.0.min(*height), height_field.levels.1.max(*height));
         }
-        sheet.read_height = sheet.height.clone();
-        sheet.set_slopes();
-        sheet.read_channels(grid, &known);
-        sheet
+        height_field.read_height = height_field.height.clone();
+        height_field.set_slopes();
+        height_field.read_channels(grid, &known);
+        height_field
     }
 
     /// Copies the columns that are also in another height field, with the values that reading them from the field would
@@ -129,22 +129,22 @@ mod tests {
     use sdf_bake::channels::Scalar;
 
     use super::*;
-    use crate::commit::commit;
+    use crate::write_back::write_back;
 
     #[test]
-    fn lines_of_the_sheet_before_are_those_of_the_field() {
+    fn lines_of_the_height_field_before_are_those_of_the_field() {
         let half = DVec3::new(0.01, 0.01, 0.004);
         let mut grid = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z.max(0.003 - p.truncate().length()));
         grid.scalar_or_zero(Scalar::Dose);
         let facing = Facing::of(DVec3::Z);
         let read = |grid: &BrickGrid, before, low| {
-            Sheet::read_beside(before, grid, facing, Window { low, size: [16, 18] }, (0.005, -0.005))
+            HeightField::read_beside(before, grid, facing, Window { low, size: [16, 18] }, (0.005, -0.005))
         };
         let mut before = read(&grid, None, [-12, -10]);
         let met: Vec<usize> = (0..before.window.lines()).filter(|&line| before.height[line] > NO_SURFACE).collect();
         met.iter().for_each(|&line| before.dose[line] = 1e-3 * (line as f64 + 0.1));
         assert!((100..before.window.lines()).contains(&met.len()));
-        commit(&mut grid, &mut before);
+        write_back(&mut grid, &mut before);
         for low in [[-12, -10], [-9, -14], [-2, 1], [20, 30]] {
             let (beside, alone) = (read(&grid, Some(&before), low), read(&grid, None, low));
             assert_eq!((&beside.height, &beside.slope, beside.levels), (&alone.height, &alone.slope, alone.levels));

@@ -107,11 +107,7 @@ fn difference([one, other]: [&Belief; 2], [a, b]: [&Predicted; 2]) -> f64 {
 ///
 /// - `jacobian`: derivatives of the predictions, shape [data, coordinates of the fit]
 /// - `precision`: precision of the coordinates, from the data that determine them
-pub(in super::super) fn left_after_refit(
-    difference: &DVector<f64>,
-    jacobian: &DMatrix<f64>,
-    precision: &DMatrix<f64>,
-) -> f64 {
+pub(super) fn left_after_refit(difference: &DVector<f64>, jacobian: &DMatrix<f64>, precision: &DMatrix<f64>) -> f64 {
     let mut normal = jacobian.tr_mul(jacobian) + precision;
     (0..normal.nrows()).for_each(|k| normal[(k, k)] += 1e-9);
     let pull = jacobian.tr_mul(difference);

@@ -1,4 +1,4 @@
-// Distances that carry no zero set, taken anew from one voxel nearer to the surface; twin of commit.rs.
+// Distances that carry no zero set, taken anew from one voxel nearer to the surface; twin of write_back.rs.
 
 // Voxel of a line that is `layer` steps from the surface on a side.
 fn layer_voxel(line: u32, layer: i32, side: i32) -> i32 {

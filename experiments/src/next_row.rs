@@ -4,12 +4,9 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::coordinates::moved;
-use super::diagnose::Diagnosis;
-use super::evidence::{Evidence, EvidenceError, Split};
-use super::fit::Fit;
-use super::next_trial::{NextTrial, left_after_refit};
-use super::rows::RowEvidence;
+use super::as_test;
+use super::score::left_after_refit;
+use lab::{Diagnosis, Evidence, EvidenceError, Fit, NextTrial, RowEvidence, Split, moved};
 use trials::measure::median;
 use trials::table::{Row, Table};
 use trials::trial::{RPM, Role};
@@ -46,7 +43,7 @@ const CHANGES: [Change; 8] = [
 pub fn testing_row(evidence: &RowEvidence, diagnosis: &Diagnosis) -> Result<Option<NextTrial>, EvidenceError> {
     let Some((round, found)) = diagnosis.last_found() else { return Ok(None) };
     let with = (found.suspect.name(), &found.suspect.fit);
-    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(NextTrial::into_test))
+    Ok(next_row(evidence, (with, ("without it", &round.base)))?.map(as_test))
 }
 
 /// The row that distinguishes the two rivals of a diagnosis; `None` unless two are still in play.

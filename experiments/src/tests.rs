@@ -9,7 +9,7 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::menu::menu;
 use super::score::{Belief, Predicted, Score};
 use super::*;
-use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
+use lab::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
 use trial_simulation::PassPlan;
 use trials::trial::{ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
 

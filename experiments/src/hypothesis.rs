@@ -4,13 +4,8 @@ use effects::CompiledModel;
 use nalgebra::{DMatrix, DVector};
 
 use super::score::Belief;
-use crate::coordinates::moved;
-use crate::criteria::{DERIVATIVE_CHANGE_AIM, DERIVATIVE_LONGEST_STEP, NAMED_PROBABILITY, NEXT_TRIAL_HYPOTHESES};
-use crate::cross_validation::prior;
-use crate::diagnose::Diagnosis;
-use crate::finding::Finding;
-use crate::fit::Fit;
-use crate::round::Round;
+use lab::criteria::{DERIVATIVE_CHANGE_AIM, DERIVATIVE_LONGEST_STEP, NAMED_PROBABILITY, NEXT_TRIAL_HYPOTHESES};
+use lab::{Diagnosis, Finding, Fit, Round, moved, prior};
 
 /// Name of the hypothesis that no effect of the library is the cause.
 const NONE: &str = "none of these";
@@ -66,27 +61,23 @@ impl<'a> Hypothesis<'a> {
     }
 }
 
-impl Round {
-    /// The hypotheses between which no verdict decides, most probable first; empty if only one is left.
-    fn live(&self) -> Vec<Hypothesis<'_>> {
-        let Some(best) = self.best().filter(|best| best.probability < NAMED_PROBABILITY) else { return Vec::new() };
-        let mut all = vec![Hypothesis::of(best)];
-        all.extend(self.look_alikes().into_iter().map(Hypothesis::of));
-        all.truncate(NEXT_TRIAL_HYPOTHESES);
-        // The probability that an untested effect is denied goes to "none of these".
-        let none = 1.0 - self.findings.iter().map(|finding| finding.probability).sum::<f64>();
-        if none * NAMED_PROBABILITY >= best.probability * (1.0 - NAMED_PROBABILITY) {
-            all.push(Hypothesis { name: NONE, probability: none, fit: &self.base });
-        }
-        if all.len() > 1 { all } else { Vec::new() }
+/// The hypotheses between which no verdict decides, most probable first; empty if only one is left.
+fn live(round: &Round) -> Vec<Hypothesis<'_>> {
+    let Some(best) = round.best().filter(|best| best.probability < NAMED_PROBABILITY) else { return Vec::new() };
+    let mut all = vec![Hypothesis::of(best)];
+    all.extend(round.indistinguishable().into_iter().map(Hypothesis::of));
+    all.truncate(NEXT_TRIAL_HYPOTHESES);
+    // The probability that an untested effect is denied goes to "none of these".
+    let none = 1.0 - round.findings.iter().map(|finding| finding.probability).sum::<f64>();
+    if none * NAMED_PROBABILITY >= best.probability * (1.0 - NAMED_PROBABILITY) {
+        all.push(Hypothesis { name: NONE, probability: none, fit: &round.base });
     }
+    if all.len() > 1 { all } else { Vec::new() }
 }
 
-impl Diagnosis {
-    /// The search whose hypotheses are still in play, and these; `None` if only one is left.
-    pub fn live_hypotheses(&self) -> Option<(&Round, Vec<Hypothesis<'_>>)> {
-        let round = self.rounds.iter().rev().find(|round| round.best().is_some())?;
-        let live = round.live();
-        (!live.is_empty()).then_some((round, live))
-    }
+/// The search of a diagnosis whose hypotheses are still in play, and these; `None` if only one is left.
+pub fn live_hypotheses(diagnosis: &Diagnosis) -> Option<(&Round, Vec<Hypothesis<'_>>)> {
+    let round = diagnosis.rounds.iter().rev().find(|round| round.best().is_some())?;
+    let live = live(round);
+    (!live.is_empty()).then_some((round, live))
 }

@@ -6,28 +6,28 @@
 //! under it. On a smooth surface that difference is third order in the pitch.
 
 use super::{Border, ContactCells};
+use crate::height_field::HeightField;
 use crate::region::Region;
-use crate::sheet::Sheet;
 use robot::Tool;
 
 impl ContactCells {
     /// Removes the side face from the depths of the cells that a wheel's border crosses and of their neighbours.
-    pub(super) fn leave_walls(&mut self, border: &Border, sheet: &Sheet) {
+    pub(super) fn remove_side_faces(&mut self, border: &Border, height_field: &HeightField) {
         if !matches!(border.tool, Tool::Wheel(_)) {
             return;
         }
         let axis = border.frame.y;
         let is_along_u = axis.x.abs() > axis.y.abs();
         let rising = if is_along_u { axis.x } else { axis.y }.signum();
-        let (mut rims, rows) = ([usize::MAX; 2], Row::all(&self.region, sheet.window.size[1], is_along_u));
+        let (mut rims, rows) = ([usize::MAX; 2], Row::all(&self.region, height_field.window.size[1], is_along_u));
         for row in rows {
-            let mut walls = [None; 2];
-            for ((rim, wall), outwards) in rims.iter_mut().zip(&mut walls).zip([1, -1]) {
-                let side = Side { border, sheet, row, outwards, sign: rising * outwards as f64 };
+            let mut side_faces = [None; 2];
+            for ((rim, side_face), outwards) in rims.iter_mut().zip(&mut side_faces).zip([1, -1]) {
+                let side = Side { border, height_field, row, outwards, sign: rising * outwards as f64 };
                 *rim = side.rim((*rim).min(row.count - 1));
-                *wall = side.wall(&self.depth, *rim);
+                *side_face = side.side_face(&self.depth, *rim);
             }
-            for (line, part) in walls.into_iter().flatten().flatten() {
+            for (line, part) in side_faces.into_iter().flatten().flatten() {
                 self.depth[line] -= part;
             }
         }
@@ -57,7 +57,7 @@ impl Row {
 /// One of a wheel's two sides across a row.
 struct Side<'a> {
     border: &'a Border<'a>,
-    sheet: &'a Sheet,
+    height_field: &'a HeightField,
     row: Row,
     /// Direction in the row that leads out of the wheel, and the sign of the wheel's y on this side.
     outwards: isize,
@@ -73,19 +73,21 @@ impl Side<'_> {
 
     /// Distance of a column inside this side [m].
     fn within(&self, line: usize) -> f64 {
-        0.5 * self.border.tool.width() - self.sign * self.border.frame.local(self.sheet.point(line)).y
+        0.5 * self.border.tool.width() - self.sign * self.border.frame.local(self.height_field.point(line)).y
     }
 
     /// Share of a column's cell inside this side.
     fn share(&self, line: usize) -> f64 {
         let inward = self.border.frame.y * -self.sign;
-        self.border.cover_within(self.within(line), inward, self.sheet.slope[line], 0.5 * self.sheet.pitch).share
+        self.border
+            .cover_within(self.within(line), inward, self.height_field.slope[line], 0.5 * self.height_field.pitch)
+            .share
     }
 
     /// Position of the outermost cell of the row that is partly inside this side, searched from `place` on.
     fn rim(&self, mut place: usize) -> usize {
         let axis = self.border.frame.y;
-        let reach = -0.5 * self.sheet.pitch * (axis.x.abs() + axis.y.abs());
+        let reach = -0.5 * self.height_field.pitch * (axis.x.abs() + axis.y.abs());
         let is_within = |line: &usize| self.within(*line) > reach;
         while self.line(place, 1).filter(is_within).is_some() {
             place = place.strict_add_signed(self.outwards);
@@ -97,20 +99,20 @@ impl Side<'_> {
     }
 
     /// Columns around the rim with the depth that the side face adds to each [m]; `None` without a side face.
-    fn wall(&self, depth: &[f64], rim: usize) -> Option<[(usize, f64); 3]> {
+    fn side_face(&self, depth: &[f64], rim: usize) -> Option<[(usize, f64); 3]> {
         let [inmost, far, inner] = [self.line(rim, -3)?, self.line(rim, -2)?, self.line(rim, -1)?];
         let [here, outer, outmost] = [self.line(rim, 0)?, self.line(rim, 1)?, self.line(rim, 2)?];
-        if depth[here] <= -self.sheet.pitch {
+        if depth[here] <= -self.height_field.pitch {
             return None;
         }
-        let wall = (2.0 * depth[outer] - depth[outmost]) - (2.0 * depth[inner] - depth[far]);
-        if wall <= 0.0 || wall >= 2.0 * self.sheet.pitch {
+        let side_face = (2.0 * depth[outer] - depth[outmost]) - (2.0 * depth[inner] - depth[far]);
+        if side_face <= 0.0 || side_face >= 2.0 * self.height_field.pitch {
             return None;
         }
-        let inner_part = (1.0 - self.share(inner)) * wall;
+        let inner_part = (1.0 - self.share(inner)) * side_face;
         // The surface under the wheel, extrapolated with its curvature: no part of it lies deeper.
         let groove = 3.0 * (depth[inner] - inner_part - depth[far]) + depth[inmost];
-        let part = ((1.0 - self.share(here)) * wall).min((depth[here] - groove).max(0.0));
-        Some([(inner, inner_part), (here, part), (outer, wall)])
+        let part = ((1.0 - self.share(here)) * side_face).min((depth[here] - groove).max(0.0));
+        Some([(inner, inner_part), (here, part), (outer, side_face)])
     }
 }

@@ -8,14 +8,8 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::design::Design;
 use super::hypothesis::Hypothesis;
 use super::score::Predicted;
-use crate::covariance::Whitener;
-use crate::criteria::{CHANGED_HEIGHT, NEXT_TRIAL_TILES, NEXT_TRIAL_VOXEL_RATIO};
-use crate::evidence::EvidenceError;
-use crate::exposure_view::ExposureView;
-use crate::height_view::HeightView;
-use crate::scans::{ScanData, ScanEvidence, ScanView};
-use crate::tile_noise::TileNoise;
-use crate::tiles::{TileGrid, Tiles};
+use lab::criteria::{CHANGED_HEIGHT, NEXT_TRIAL_TILES, NEXT_TRIAL_VOXEL_RATIO};
+use lab::{EvidenceError, HeightView, Observation, ScanEvidence, ScanView, TileGrid, TileNoise, Tiles, Whitener};
 use trial_simulation::CampaignError;
 use trial_simulation::SeenSurface;
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, Variation};
@@ -47,18 +41,18 @@ struct Simulated {
     has_rows: bool,
 }
 
-/// Observation model of the scan after a pass.
-enum Sight<'a> {
-    /// Tiles of a ground surface.
-    Heights(Tiles, Box<Whitener>),
-    /// Border of the exposed region.
-    Exposure(&'a ExposureView),
+/// The scan after a pass as data.
+enum PlannedScan<'a> {
+    /// Tiles of the cut that the hypotheses predict.
+    Cut(Tiles, Box<Whitener>),
+    /// The same tiles as in the scan of the trial that was made.
+    AsMeasured(&'a dyn Observation),
 }
 
 /// A trial as all hypotheses predict it at their best values.
 pub(super) struct Outline<'a> {
-    /// Observation models, by pass.
-    sights: Vec<Sight<'a>>,
+    /// Scans, by pass.
+    scans: Vec<PlannedScan<'a>>,
     /// Factor on whitened data: more scans have less noise.
     scale: f64,
     /// Whitened data, by hypothesis.
@@ -101,9 +95,9 @@ impl<'a> Predictor<'a> {
         let stages = self.prepared(design)?;
         let best = |one: &Simulated| self.surfaces(&stages, &one.models[0], &one.worn[0]);
         let best: Vec<Surfaces> = self.hypotheses.par_iter().map(best).collect::<Result<_, _>>()?;
-        let sights = self.sights(&stages, &best)?;
+        let scans = self.scans(&stages, &best)?;
         let scale = (design.scans as f64).sqrt() / self.spread;
-        let outline = Outline { sights, scale, data: Vec::new() };
+        let outline = Outline { scans, scale, data: Vec::new() };
         Ok(Outline { data: best.iter().map(|surfaces| outline.seen(surfaces)).collect(), ..outline })
     }
 
@@ -146,18 +140,17 @@ impl<'a> Predictor<'a> {
     }
 
     /// Returns the observation model of the scan after each pass, from the surfaces predicted by the hypotheses.
-    fn sights(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<Sight<'_>>, EvidenceError> {
+    fn scans(&self, stages: &[Simulation], best: &[Surfaces]) -> Result<Vec<PlannedScan<'_>>, EvidenceError> {
         let views: Vec<&ScanView> = self.evidence.views.iter().filter(|view| view.trial == TEMPLATE).collect();
         let before = self.unground(&stages[0], &self.hypotheses[0].models[0])?;
-        let sight = |pass: usize| match &views[pass.min(views.len() - 1)].data {
-            ScanData::Exposure(view) => Ok(Sight::Exposure(view)),
-            ScanData::Heights(view) => {
-                let after: Vec<&[f64]> = best.iter().map(|surfaces| &surfaces[pass][..]).collect();
-                let (tiles, whitener) = self.cut(view, &before, &after).ok_or_else(|| nothing(pass))?;
-                Ok(Sight::Heights(tiles, Box::new(whitener)))
-            }
+        let scan = |pass: usize| {
+            let data = views[pass.min(views.len() - 1)].data.as_ref();
+            let Some(view) = data.as_heights() else { return Ok(PlannedScan::AsMeasured(data)) };
+            let after: Vec<&[f64]> = best.iter().map(|surfaces| &surfaces[pass][..]).collect();
+            let (tiles, whitener) = self.cut(view, &before, &after).ok_or_else(|| nothing(pass))?;
+            Ok(PlannedScan::Cut(tiles, Box::new(whitener)))
         };
-        (0..best[0].len()).map(sight).collect()
+        (0..best[0].len()).map(scan).collect()
     }
 
     /// The scan before the first pass, as a simulation that removes nothing reproduces it.
@@ -188,8 +181,8 @@ impl<'a> Predictor<'a> {
 impl Outline<'_> {
     /// Returns the whitened data of the scans of predicted surfaces, pass by pass.
     fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
-        let scan = |(sight, surface): (&Sight, &Vec<f64>)| sight.data(surface);
-        DVector::from_vec(self.sights.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
+        let scan = |(planned, surface): (&PlannedScan, &Vec<f64>)| planned.data(surface);
+        DVector::from_vec(self.scans.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
     }
 }
 
@@ -203,12 +196,12 @@ impl Simulated {
     }
 }
 
-impl Sight<'_> {
+impl PlannedScan<'_> {
     /// Converts the surface after one pass to whitened data.
     fn data(&self, surface: &[f64]) -> Vec<f64> {
         match self {
-            Self::Heights(tiles, whitener) => whitener.whitened_field(&tiles.means(|at| surface[at])),
-            Self::Exposure(view) => view.whitened(surface),
+            Self::Cut(tiles, whitener) => whitener.whitened_field(&tiles.means(|at| surface[at])),
+            Self::AsMeasured(data) => data.whitened(surface),
         }
     }
 }
@@ -237,7 +230,7 @@ fn surface(pass: SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, Evide
 /// a tile's mean from the repeated scans of all trials.
 fn tiles(evidence: &ScanEvidence) -> Option<(usize, TileNoise)> {
     let view = evidence.views.iter().rfind(|view| view.trial == TEMPLATE)?;
-    let ScanData::Heights(data) = &view.data else { return None };
+    let data = view.data.as_heights()?;
     let own = data.tiles.grid.side;
     let ratio = (data.tiles.len() as f64 / NEXT_TRIAL_TILES as f64).sqrt().max(1.0);
     let side = (own as f64 * ratio).ceil() as usize;

@@ -2,7 +2,8 @@
 
 use trials::trial::{Pass, Trial};
 
-use crate::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
+use lab::Worth;
+use lab::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
 
 /// A candidate trial on one new workpiece.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,19 @@ impl Design {
             + TRIAL_SCAN_MINUTES * scans as f64
             + TRIAL_DRESSING_MINUTES * dressings as f64
             + self.stages.iter().map(duration).sum::<f64>() / 60.0
+    }
+
+    /// Cost, and information per minute.
+    ///
+    /// - `information`: lower bound of the expected information [nat]
+    pub(super) fn worth(&self, information: f64) -> Worth {
+        let minutes = self.minutes();
+        Worth {
+            minutes,
+            workpieces: self.workpieces(),
+            expected_information_nats: information,
+            nats_per_minute: information / minutes,
+        }
     }
 }
 

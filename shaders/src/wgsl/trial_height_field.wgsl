@@ -1,4 +1,4 @@
-// The surface under the tool as columns along lattice lines; twin of sheet.rs. Every column starts at the sheet's level:
+// The surface under the tool as columns along lattice lines; twin of height field.rs. Every column starts at the height field's level:
 // the CPU starts at the neighbour's height, which finds the same surface unless the part overhangs it.
 
 // Share of a pitch up to which neighbours belong to one surface, from one column to the next.
@@ -87,20 +87,20 @@ fn slope_against(line: u32, approach: vec3f) -> f32 {
     return sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
 }
 
-// Share of a square's lattice area that faces the approach axis.
+// Share of a cell's lattice area that faces the approach axis.
 fn approach_share(line: u32, approach: vec3f) -> f32 {
     let slope = slope_of(line);
     return max(approach.z - slope.x * approach.x - slope.y * approach.y, 0.0);
 }
 
-// Keeps a pose in the coordinates of the sheet.
+// Keeps a pose in the coordinates of the height field.
 fn keep_pose(slot: u32, pose: Pose) {
-    state.wholes[slot] = vec4i(whole_to_sheet(pose.whole), 0);
-    state.frames[5u * slot] = vec4f(to_sheet(pose.rest), 0.0);
-    state.frames[5u * slot + 1u] = vec4f(to_sheet(pose.x), 0.0);
-    state.frames[5u * slot + 2u] = vec4f(to_sheet(pose.y), 0.0);
-    state.frames[5u * slot + 3u] = vec4f(to_sheet(pose.z), 0.0);
-    state.frames[5u * slot + 4u] = vec4f(to_sheet(pose.approach), 0.0);
+    state.wholes[slot] = vec4i(whole_to_height_field(pose.whole), 0);
+    state.frames[5u * slot] = vec4f(to_height_field(pose.rest), 0.0);
+    state.frames[5u * slot + 1u] = vec4f(to_height_field(pose.x), 0.0);
+    state.frames[5u * slot + 2u] = vec4f(to_height_field(pose.y), 0.0);
+    state.frames[5u * slot + 3u] = vec4f(to_height_field(pose.z), 0.0);
+    state.frames[5u * slot + 4u] = vec4f(to_height_field(pose.approach), 0.0);
 }
 
 // A pose that was kept; its vectors are (u, v, up).
@@ -112,7 +112,7 @@ fn kept_pose(slot: u32) -> Pose {
     );
 }
 
-// Stores a pose that is in the coordinates of the sheet.
+// Stores a pose that is in the coordinates of the height field.
 fn store_pose(slot: u32, pose: Pose) {
     state.wholes[slot] = vec4i(pose.whole, 0);
     state.frames[5u * slot] = vec4f(pose.rest, 0.0);

@@ -41,7 +41,7 @@ impl Facing {
     }
 
     /// Transforms a vector of the distance field's frame into (u, v, up).
-    pub fn sheet(&self, v: DVec3) -> DVec3 {
+    pub fn height_field(&self, v: DVec3) -> DVec3 {
         let (a, b) = self.across();
         DVec3::new(v[a], v[b], f64::from(self.up) * v[self.axis])
     }
@@ -121,7 +121,7 @@ impl Window {
 
 /// The height field of a window; columns are ordered v fastest.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct HeightField {
     /// Axis and direction of the columns.
     pub facing: Facing,
     /// Distance between columns [m].
@@ -149,11 +149,11 @@ pub struct Sheet {
     pub removed: Vec<f64>,
     /// Weld id, 0 for base metal.
     pub label: Vec<u16>,
-    /// Cached result of [`Sheet::edge_distances`].
+    /// Cached result of [`HeightField::edge_distances`].
     edges: OnceCell<Vec<f64>>,
 }
 
-impl Sheet {
+impl HeightField {
     /// Lowers the surface of a column by a recession of `way` [m] along its normal.
     pub fn recede(&mut self, line: usize, way: f64) {
         self.removed[line] += way;
@@ -190,7 +190,7 @@ impl Sheet {
     /// Tangent of the angle between the surface's normal and an approach axis.
     pub fn slope_against(&self, line: usize, approach: DVec3) -> f64 {
         let [u, v] = self.slope[line];
-        let cosine = (DVec3::new(-u, -v, 1.0).normalize().dot(self.facing.sheet(approach))).clamp(1e-6, 1.0);
+        let cosine = (DVec3::new(-u, -v, 1.0).normalize().dot(self.facing.height_field(approach))).clamp(1e-6, 1.0);
         (1.0 - cosine * cosine).sqrt() / cosine
     }
 
@@ -227,13 +227,13 @@ impl Sheet {
     /// Computes the slopes from the current heights.
     pub fn set_slopes(&mut self) {
         let [rows, across] = self.window.size;
-        pulp::Arch::new().dispatch(Bend { sheet: self, rows: 0..rows, columns: 0..across });
+        pulp::Arch::new().dispatch(Bend { height_field: self, rows: 0..rows, columns: 0..across });
     }
 
     /// The same in a region of the height field.
     pub fn set_slopes_in(&mut self, region: &Region) {
         let Region { rows, columns } = region.grown();
-        pulp::Arch::new().dispatch(Bend { sheet: self, rows, columns });
+        pulp::Arch::new().dispatch(Bend { height_field: self, rows, columns });
     }
 }
 
@@ -251,8 +251,8 @@ mod tests {
             let facing = Facing::of(approach);
             let lines = (0.008 / voxel) as i32;
             let window = Window { low: [-lines; 2], size: [2 * lines as usize + 1; 2] };
-            let sheet = Sheet::read(&grid, facing, window, 0.021, -0.03);
-            let off = |line: usize| (facing.world(sheet.point(line)).length() - 0.02).abs();
+            let height_field = HeightField::read(&grid, facing, window, 0.021, -0.03);
+            let off = |line: usize| (facing.world(height_field.point(line)).length() - 0.02).abs();
             (0..window.lines()).map(off).fold(0.0, f64::max)
         };
         for approach in [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::new(0.1, 0.2, -0.9)] {
@@ -267,10 +267,11 @@ mod tests {
         let half = DVec3::splat(0.004);
         let grid = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, |p| p.z);
         for size in [[1, 1], [1, 4], [4, 1], [2, 2]] {
-            let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), Window { low: [0, 0], size }, 0.002, -0.002);
+            let height_field =
+                HeightField::read(&grid, Facing::of(DVec3::Z), Window { low: [0, 0], size }, 0.002, -0.002);
             assert!(
-                sheet.slope.iter().all(|slope| *slope == [0.0; 2])
-                    && sheet.area_ratio.iter().all(|&ratio| ratio == 1.0)
+                height_field.slope.iter().all(|slope| *slope == [0.0; 2])
+                    && height_field.area_ratio.iter().all(|&ratio| ratio == 1.0)
             );
         }
     }
@@ -283,10 +284,10 @@ mod tests {
             q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
         });
         let window = Window { low: [15, 0], size: [10, 3] };
-        let sheet = Sheet::read(&grid, Facing::of(DVec3::Z), window, 0.005, -0.02);
-        let column = |i: i32| sheet.height[((i - 15) * 3 + 1) as usize];
+        let height_field = HeightField::read(&grid, Facing::of(DVec3::Z), window, 0.005, -0.02);
+        let column = |i: i32| height_field.height[((i - 15) * 3 + 1) as usize];
         assert!((column(19) - 0.004).abs() < 1e-8, "{}", column(19));
         assert_eq!(column(21), NO_SURFACE);
-        assert!(sheet.slope.iter().all(|s| s[0].abs() < 0.5 && s[1].abs() < 0.5));
+        assert!(height_field.slope.iter().all(|s| s[0].abs() < 0.5 && s[1].abs() < 0.5));
     }
 }

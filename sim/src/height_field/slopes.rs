@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::{NO_SURFACE, Sheet};
+use super::{HeightField, NO_SURFACE};
 
 /// Computes slopes from heights.
 pub(super) struct Bend<'a> {
-    pub(super) sheet: &'a mut Sheet,
+    pub(super) height_field: &'a mut HeightField,
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
 }
@@ -16,22 +16,22 @@ impl pulp::NullaryFnOnce for Bend<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { sheet, rows, columns } = self;
-        let [last_row, across] = [sheet.window.size[0] - 1, sheet.window.size[1]];
+        let Self { height_field, rows, columns } = self;
+        let [last_row, across] = [height_field.window.size[0] - 1, height_field.window.size[1]];
         for row in rows {
             let inner = columns.start.max(1)..columns.end.min(across - 1);
             if row == 0 || row == last_row {
-                columns.clone().for_each(|column| bend_one(sheet, [row, column]));
+                columns.clone().for_each(|column| bend_one(height_field, [row, column]));
                 continue;
             }
             if columns.start == 0 {
-                bend_one(sheet, [row, 0]);
+                bend_one(height_field, [row, 0]);
             }
             if columns.end == across {
-                bend_one(sheet, [row, across - 1]);
+                bend_one(height_field, [row, across - 1]);
             }
             if !inner.is_empty() {
-                bend_row(sheet, row * across + inner.start, inner.len());
+                bend_row(height_field, row * across + inner.start, inner.len());
             }
         }
     }
@@ -39,36 +39,37 @@ impl pulp::NullaryFnOnce for Bend<'_> {
 
 /// Height of a neighbour [m], which may be outside the window.
 #[inline(always)]
-fn beside(sheet: &Sheet, [row, column]: [i64; 2]) -> f64 {
-    let [rows, across] = sheet.window.size;
+fn beside(height_field: &HeightField, [row, column]: [i64; 2]) -> f64 {
+    let [rows, across] = height_field.window.size;
     let is_there = row >= 0 && column >= 0 && row < rows as i64 && column < across as i64;
-    if is_there { sheet.height[row as usize * across + column as usize] } else { NO_SURFACE }
+    if is_there { height_field.height[row as usize * across + column as usize] } else { NO_SURFACE }
 }
 
 /// Slopes at a column that may lack neighbours on some sides.
 #[inline(always)]
-fn bend_one(sheet: &mut Sheet, [row, column]: [usize; 2]) {
-    let line = row * sheet.window.size[1] + column;
+fn bend_one(height_field: &mut HeightField, [row, column]: [usize; 2]) {
+    let line = row * height_field.window.size[1] + column;
     let (row, column) = (row as i64, column as i64);
-    let (before, after) = (beside(sheet, [row - 1, column]), beside(sheet, [row + 1, column]));
-    let (left, right) = (beside(sheet, [row, column - 1]), beside(sheet, [row, column + 1]));
-    let here = sheet.height[line];
-    let [u, v] = [slope(before, here, after, sheet.pitch), slope(left, here, right, sheet.pitch)];
-    sheet.slope[line] = [u, v];
-    sheet.area_ratio[line] = (1.0 + u * u + v * v).sqrt();
+    let (before, after) = (beside(height_field, [row - 1, column]), beside(height_field, [row + 1, column]));
+    let (left, right) = (beside(height_field, [row, column - 1]), beside(height_field, [row, column + 1]));
+    let here = height_field.height[line];
+    let [u, v] = [slope(before, here, after, height_field.pitch), slope(left, here, right, height_field.pitch)];
+    height_field.slope[line] = [u, v];
+    height_field.area_ratio[line] = (1.0 + u * u + v * v).sqrt();
 }
 
 /// Slopes at `count` columns from `first` on that have neighbours on all sides.
 #[inline(always)]
-fn bend_row(sheet: &mut Sheet, first: usize, count: usize) {
-    let across = sheet.window.size[1];
-    let from = |line: usize| &sheet.height[line..line + count];
+fn bend_row(height_field: &mut HeightField, first: usize, count: usize) {
+    let across = height_field.window.size[1];
+    let from = |line: usize| &height_field.height[line..line + count];
     let (here, before, after) = (from(first), from(first - across), from(first + across));
     let (left, right) = (from(first - 1), from(first + 1));
-    let (slopes, ratios) = (&mut sheet.slope[first..first + count], &mut sheet.area_ratio[first..first + count]);
+    let (slopes, ratios) =
+        (&mut height_field.slope[first..first + count], &mut height_field.area_ratio[first..first + count]);
     for i in 0..count {
-        let u = slope(before[i], here[i], after[i], sheet.pitch);
-        let v = slope(left[i], here[i], right[i], sheet.pitch);
+        let u = slope(before[i], here[i], after[i], height_field.pitch);
+        let v = slope(left[i], here[i], right[i], height_field.pitch);
         slopes[i] = [u, v];
         ratios[i] = (1.0 + u * u + v * v).sqrt();
     }

@@ -6,18 +6,20 @@ use sdf_bake::BrickGrid;
 use sdf_bake::redistance::KEPT_VOXELS;
 
 use super::{BilinearStencil, Column, floor, reach};
-use crate::sheet::{NO_SURFACE, Sheet};
+use crate::height_field::{HeightField, NO_SURFACE};
 use sdf_bake::simd::in_wide_lanes;
 
 /// Voxel index for a column without a surface: far from every index in use.
 const NOWHERE: i32 = i32::MAX / 2;
 
 /// Reinitialises the far voxels of columns.
-pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
-    let layers = columns.iter().map(|column| reach(grid, sheet.area_ratio(column.line))).max().unwrap_or(0);
-    let mut near = Near::read(grid, sheet, layers);
+pub(super) fn reinitialize(grid: &mut BrickGrid, height_field: &HeightField, columns: &[Column]) {
+    let layers = columns.iter().map(|column| reach(grid, height_field.area_ratio(column.line))).max().unwrap_or(0);
+    let mut near = Near::read(grid, height_field, layers);
     let nearer = [1.0, -1.0].map(|side| -> Vec<Option<BilinearStencil>> {
-        let around = |column: &Column| BilinearStencil::of(sheet, column, DVec2::from(sheet.slope[column.line]) * side);
+        let around = |column: &Column| {
+            BilinearStencil::of(height_field, column, DVec2::from(height_field.slope[column.line]) * side)
+        };
         columns.iter().map(around).collect()
     });
     let mut renewed = Vec::new();
@@ -27,10 +29,10 @@ pub(super) fn renew(grid: &mut BrickGrid, sheet: &Sheet, columns: &[Column]) {
         for (side, nearer) in [1, -1].into_iter().zip(&nearer) {
             in_wide_lanes(
                 #[inline(always)]
-                || near.find((grid, sheet), (columns, nearer), (layer, side), &mut renewed),
+                || near.find((grid, height_field), (columns, nearer), (layer, side), &mut renewed),
             );
         }
-        renewed.drain(..).for_each(|far| near.write((grid, sheet), &far));
+        renewed.drain(..).for_each(|far| near.write((grid, height_field), &far));
     }
 }
 
@@ -53,15 +55,16 @@ struct Far {
 
 impl Near {
     /// Reads `layers` voxels on either side of the surface from the field.
-    fn read(grid: &BrickGrid, sheet: &Sheet, layers: i32) -> Self {
-        let voxel_below = |height: &f64| if *height > NO_SURFACE { floor(height / sheet.pitch) } else { NOWHERE };
-        let below: Vec<i32> = sheet.height.iter().map(voxel_below).collect();
+    fn read(grid: &BrickGrid, height_field: &HeightField, layers: i32) -> Self {
+        let voxel_below =
+            |height: &f64| if *height > NO_SURFACE { floor(height / height_field.pitch) } else { NOWHERE };
+        let below: Vec<i32> = height_field.height.iter().map(voxel_below).collect();
         let count = 2 * layers as usize;
         let mut phi = vec![0.0; below.len() * count];
-        for ((below, on), phi) in below.iter().zip(&sheet.on).zip(phi.chunks_exact_mut(count)) {
+        for ((below, on), phi) in below.iter().zip(&height_field.on).zip(phi.chunks_exact_mut(count)) {
             if *below != NOWHERE {
                 let first = below + 1 - layers;
-                (first..).zip(phi).for_each(|(k, phi)| *phi = sheet.lattice.phi(grid, *on, k));
+                (first..).zip(phi).for_each(|(k, phi)| *phi = height_field.lattice.phi(grid, *on, k));
             }
         }
         Self { below, phi, count }
@@ -76,8 +79,8 @@ impl Near {
 
     /// φ [m] of voxel `k` of a column.
     #[inline(always)]
-    fn phi(&self, (grid, sheet): (&BrickGrid, &Sheet), line: usize, k: i32) -> f32 {
-        self.place(line, k).map_or_else(|| sheet.lattice.phi(grid, sheet.on[line], k), |at| self.phi[at])
+    fn phi(&self, (grid, height_field): (&BrickGrid, &HeightField), line: usize, k: i32) -> f32 {
+        self.place(line, k).map_or_else(|| height_field.lattice.phi(grid, height_field.on[line], k), |at| self.phi[at])
     }
 
     /// Finds the new distances of the voxels in one layer on one side of the surface that carry no zero set. Voxels
@@ -85,29 +88,30 @@ impl Near {
     #[inline(always)]
     fn find(
         &self,
-        (grid, sheet): (&BrickGrid, &Sheet),
+        (grid, height_field): (&BrickGrid, &HeightField),
         (columns, nearer): (&[Column], &[Option<BilinearStencil>]),
         (layer, side): (i32, i32),
         out: &mut Vec<Far>,
     ) {
-        let (kept, sign) = ((KEPT_VOXELS * sheet.pitch) as f32, side as f32);
+        let (kept, sign) = ((KEPT_VOXELS * height_field.pitch) as f32, side as f32);
         for (&Column { line, .. }, nearer) in columns.iter().zip(nearer) {
             let k = self.below[line] + if side > 0 { layer } else { 1 - layer };
-            if self.phi((grid, sheet), line, k) * sign <= kept {
+            if self.phi((grid, height_field), line, k) * sign <= kept {
                 continue;
             }
-            let Some(at) = sheet.lattice.place(sheet.on[line], k) else { continue };
-            let Some(nearer) = nearer.as_ref().and_then(|nearer| self.mean((grid, sheet), nearer, k - side)) else {
+            let Some(at) = height_field.lattice.place(height_field.on[line], k) else { continue };
+            let Some(nearer) = nearer.as_ref().and_then(|nearer| self.mean((grid, height_field), nearer, k - side))
+            else {
                 continue;
             };
-            let distance = (nearer * f64::from(side)).max(0.0) + sheet.pitch * sheet.area_ratio(line);
+            let distance = (nearer * f64::from(side)).max(0.0) + height_field.pitch * height_field.area_ratio(line);
             out.push(Far { line, k, at, phi: (distance as f32).clamp(kept, grid.band) * sign });
         }
     }
 
     /// Mean of φ [m] at voxel `k` over the columns around a point; `None` if one of them is beyond the band.
     #[inline(always)]
-    fn mean(&self, field: (&BrickGrid, &Sheet), around: &BilinearStencil, k: i32) -> Option<f64> {
+    fn mean(&self, field: (&BrickGrid, &HeightField), around: &BilinearStencil, k: i32) -> Option<f64> {
         let (mut sum, mut known) = (0.0, true);
         for (line, weight) in around.lines.iter().zip(around.weights) {
             let phi = self.phi(field, *line, k);
@@ -118,9 +122,9 @@ impl Near {
     }
 
     /// Writes a distance. A voxel that was inside, beyond the band, takes the label of the voxel above it.
-    fn write(&mut self, (grid, sheet): (&mut BrickGrid, &Sheet), far: &Far) {
+    fn write(&mut self, (grid, height_field): (&mut BrickGrid, &HeightField), far: &Far) {
         if grid.phi[far.at] == -grid.band && !grid.label.is_empty() {
-            let above = sheet.lattice.place(sheet.on[far.line], far.k + 1);
+            let above = height_field.lattice.place(height_field.on[far.line], far.k + 1);
             grid.label[far.at] = above.map_or(0, |above| grid.label[above]);
         }
         grid.phi[far.at] = far.phi;

@@ -12,31 +12,32 @@ use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use shaders::constants::STEEPEST;
 
-use self::reinitialize::renew;
-use crate::sheet::{NO_SURFACE, Sheet};
+use self::reinitialize::reinitialize;
+use crate::height_field::{HeightField, NO_SURFACE};
 
 /// Bounds to which the field's measured steepness is clamped.
 const STEEPNESS: (f64, f64) = (0.3, 2.0);
 
 /// Writes the recession of a height field into the distance field it was read from.
-pub fn commit(grid: &mut BrickGrid, sheet: &mut Sheet) {
+pub fn write_back(grid: &mut BrickGrid, height_field: &mut HeightField) {
     if !grid.dose.is_empty() {
-        let dosed = (0..sheet.window.lines()).filter(|&line| sheet.dose[line] > 0.0);
-        dosed.for_each(|line| write_near(grid, sheet, line, Scalar::Dose, sheet.dose[line]));
+        let dosed = (0..height_field.window.lines()).filter(|&line| height_field.dose[line] > 0.0);
+        dosed.for_each(|line| write_near(grid, height_field, line, Scalar::Dose, height_field.dose[line]));
     }
-    let sunk: Vec<f64> = sheet.read_height.iter().zip(&sheet.height).map(|(read, now)| read - now).collect();
-    let Some(columns) = columns_to_change(sheet, &sunk) else { return };
-    open_bricks(grid, sheet, &columns);
+    let sunk: Vec<f64> =
+        height_field.read_height.iter().zip(&height_field.height).map(|(read, now)| read - now).collect();
+    let Some(columns) = columns_to_change(height_field, &sunk) else { return };
+    open_bricks(grid, height_field, &columns);
     for column in &columns {
-        raise(grid, sheet, &sunk, column);
+        raise(grid, height_field, &sunk, column);
     }
     if !grid.removed.is_empty() {
         for &Column { line, .. } in &columns {
-            write_near(grid, sheet, line, Scalar::Removed, sheet.removed[line]);
+            write_near(grid, height_field, line, Scalar::Removed, height_field.removed[line]);
         }
     }
-    sheet.set_slopes();
-    renew(grid, sheet, &columns);
+    height_field.set_slopes();
+    reinitialize(grid, height_field, &columns);
 }
 
 /// A column whose voxels may change, and its position in the window.
@@ -48,8 +49,8 @@ struct Column {
 
 /// Columns whose voxels may have a receded column as their closest surface point. `sunk` is the recession of each
 /// column [m].
-fn columns_to_change(sheet: &Sheet, sunk: &[f64]) -> Option<Vec<Column>> {
-    let [rows, across] = sheet.window.size;
+fn columns_to_change(height_field: &HeightField, sunk: &[f64]) -> Option<Vec<Column>> {
+    let [rows, across] = height_field.window.size;
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
     for (row, sunk) in sunk.chunks_exact(across).enumerate() {
         let Some(first) = sunk.iter().position(|sunk| *sunk > 0.0) else { continue };
@@ -64,19 +65,19 @@ fn columns_to_change(sheet: &Sheet, sunk: &[f64]) -> Option<Vec<Column>> {
     let columns = (from(0)..=to(0, rows)).flat_map(|row| {
         (from(1)..=to(1, across)).map(move |place| Column { line: row * across + place, row, across: place })
     });
-    Some(columns.filter(|column| sheet.read_height[column.line] > NO_SURFACE).collect())
+    Some(columns.filter(|column| height_field.read_height[column.line] > NO_SURFACE).collect())
 }
 
 /// Allocates bricks ahead of the receding surface.
-fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, columns: &[Column]) {
+fn open_bricks(grid: &mut BrickGrid, height_field: &mut HeightField, columns: &[Column]) {
     let mut last = IVec3::MAX;
     for &Column { line, .. } in columns {
-        let (i, j) = sheet.window.place(line);
-        let below = floor(sheet.height[line] / sheet.pitch) - reach(grid, sheet.area_ratio(line));
-        let brick = sheet.facing.voxel(i, j, below) >> 3;
+        let (i, j) = height_field.window.place(line);
+        let below = floor(height_field.height[line] / height_field.pitch) - reach(grid, height_field.area_ratio(line));
+        let brick = height_field.facing.voxel(i, j, below) >> 3;
         if brick != last {
             if let Some(slot) = grid.open_inside_brick(brick) {
-                sheet.lattice.opened(brick, slot);
+                height_field.lattice.opened(brick, slot);
             }
             last = brick;
         }
@@ -84,35 +85,36 @@ fn open_bricks(grid: &mut BrickGrid, sheet: &mut Sheet, columns: &[Column]) {
 }
 
 /// Writes a column's value of a channel to the voxels around its surface.
-fn write_near(grid: &mut BrickGrid, sheet: &Sheet, line: usize, channel: Scalar, value: f64) {
-    if sheet.height[line] <= NO_SURFACE {
+fn write_near(grid: &mut BrickGrid, height_field: &HeightField, line: usize, channel: Scalar, value: f64) {
+    if height_field.height[line] <= NO_SURFACE {
         return;
     }
-    let below = floor(sheet.height[line] / sheet.pitch);
+    let below = floor(height_field.height[line] / height_field.pitch);
     for k in below - 1..=below + 2 {
-        if let Some(at) = sheet.lattice.place(sheet.on[line], k) {
+        if let Some(at) = height_field.lattice.place(height_field.on[line], k) {
             grid.scalar_mut(channel)[at] = value as f32;
         }
     }
 }
 
 /// Raises φ at a column's voxels within the band.
-fn raise(grid: &mut BrickGrid, sheet: &Sheet, sunk: &[f64], column: &Column) {
+fn raise(grid: &mut BrickGrid, height_field: &HeightField, sunk: &[f64], column: &Column) {
     let line = column.line;
-    let below = floor(sheet.read_height[line] / sheet.pitch);
-    let (area_ratio, on, slope) = (sheet.area_ratio(line), sheet.on[line], DVec2::from(sheet.slope[line]));
-    let (per_pitch, flatness) = (1.0 / sheet.pitch, 1.0 / area_ratio);
-    let beside = [below, below + 1].map(|k| f64::from(sheet.lattice.phi(grid, on, k)));
+    let below = floor(height_field.read_height[line] / height_field.pitch);
+    let (area_ratio, on, slope) =
+        (height_field.area_ratio(line), height_field.on[line], DVec2::from(height_field.slope[line]));
+    let (per_pitch, flatness) = (1.0 / height_field.pitch, 1.0 / area_ratio);
+    let beside = [below, below + 1].map(|k| f64::from(height_field.lattice.phi(grid, on, k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
         for step in 0..reach(grid, area_ratio) {
-            let Some(at) = sheet.lattice.place(on, first + side * step) else { break };
+            let Some(at) = height_field.lattice.place(on, first + side * step) else { break };
             let phi = f64::from(grid.phi[at]);
             let rise = (phi - nearer) * f64::from(side);
             if grid.phi[at].abs() >= grid.band || rise <= 0.0 {
                 break;
             }
             // The closest surface point lies on another column.
-            let around = BilinearStencil::of(sheet, column, slope * (phi * flatness * per_pitch));
+            let around = BilinearStencil::of(height_field, column, slope * (phi * flatness * per_pitch));
             let sunk = around.map_or(0.0, |around| around.mean(sunk));
             if sunk > 0.0 {
                 let steepness = (rise * per_pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) * flatness;
@@ -143,8 +145,8 @@ struct BilinearStencil {
 impl BilinearStencil {
     /// The columns around the point at offset `at` [columns] from a column; `None` beyond the window.
     #[inline(always)]
-    fn of(sheet: &Sheet, column: &Column, at: DVec2) -> Option<Self> {
-        let [rows, across] = sheet.window.size;
+    fn of(height_field: &HeightField, column: &Column, at: DVec2) -> Option<Self> {
+        let [rows, across] = height_field.window.size;
         let (row, place) = (column.row as f64 + at.x, column.across as f64 + at.y);
         if !(row >= 0.0 && place >= 0.0 && row <= (rows - 1) as f64 && place <= (across - 1) as f64) {
             return None;
