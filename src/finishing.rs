@@ -15,8 +15,7 @@ use robot::Wheel;
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
-use shaders::Device;
-use sim::{LogRow, PassRecord};
+use sim::{Executor, LogRow, PassRecord};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
@@ -70,11 +69,11 @@ pub struct Grinding {
     pub model: CompiledModel,
 }
 
-/// Backend for passes, and the console for reports.
+/// Processor for passes, and the console for reports.
 #[derive(Clone, Copy)]
-pub struct Executor<'a> {
-    /// GPU; `None` for the CPU.
-    pub device: Option<&'a Device>,
+pub struct Session<'a> {
+    /// Processor that runs the passes.
+    pub executor: Executor<'a>,
     /// Console for progress and results.
     pub console: &'a Console,
 }
@@ -161,9 +160,9 @@ pub fn grind_asset(
     grinding: Grinding,
     keeping: &Keeping,
     folder: &Path,
-    executor: Executor<'_>,
+    session: Session<'_>,
 ) -> Result<Ground> {
-    let (Wheel { width, .. }, console) = (grinding.wheel, executor.console);
+    let (Wheel { width, .. }, console) = (grinding.wheel, session.console);
     let manifest = Manifest::read(asset)?;
     let asset_sha256 = sha256(&input::read(&asset.join(MANIFEST_FILE), MOST_TEXT_BYTES)?);
     let weld = Welds::read(asset)?.welds.into_iter().next().context("the asset has no weld to grind")?;
@@ -184,7 +183,7 @@ pub fn grind_asset(
     if keeping.snapshots {
         done.folder = Some((folder.to_owned(), origin));
     }
-    let Done { passes, lost, lost_since, stopped, .. } = run_passes(&mut after, done, &weld, &grinding, executor)?;
+    let Done { passes, lost, lost_since, stopped, .. } = run_passes(&mut after, done, &weld, &grinding, session)?;
     let Grinding { wheel, plan, model } = grinding;
     let seconds = started.elapsed().as_secs_f64();
     let removed = lost.iter().sum::<f64>() + lost_since;

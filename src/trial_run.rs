@@ -22,7 +22,7 @@ use study::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
 use lab::{Origin, identity, model_origin};
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
 use trials::measure::{CLEARANCE, DegreesOfFreedom, despiked, noise_floor, register, untouched};
-use trials::trial::{HeldTool, PassScan, ToolPath, Trial, exposure_csv, heights_csv};
+use trials::trial::{HeldTool, ToolPath, Trial};
 
 /// Name of the result file.
 pub const SIMULATION_FILE: &str = "simulation.json";
@@ -150,10 +150,7 @@ impl TrialRun {
         let clean = |map| despiked(map).0;
         let repeat = trial.scans.repeats.first().map(clean);
         let noise = repeat.and_then(|repeat| noise_floor(&clean(&trial.scans.before), &repeat).ok());
-        let measured = trial.passes.iter().filter_map(|pass| match &pass.scan {
-            PassScan::Exposure(mask) => Some(exposed_share(mask)),
-            PassScan::Heights(_) => None,
-        });
+        let measured = trial.passes.iter().filter_map(|pass| pass.scan.mask().map(exposed_share));
         TrialRunSummary {
             format: SIMULATION_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
@@ -195,11 +192,7 @@ impl TrialRun {
                 covariate_maps::write(&folder, i + 1, covariates, &trial.scans.before.pixels)?;
             }
             fs::write(place(&format!("pass{}_log.csv", i + 1)), log_csv(&pass.record.log))?;
-            let (name, text) = match &pass.scan {
-                PassScan::Heights(map) => ("after", heights_csv(map)),
-                PassScan::Exposure(mask) => ("exposed", exposure_csv(mask)),
-            };
-            fs::write(place(&format!("pass{}_{name}.csv", i + 1)), text)?;
+            fs::write(place(&format!("pass{}_{}.csv", i + 1, pass.scan.file_word())), pass.scan.csv())?;
         }
         fs::write(place("after.nvdb"), nvdb::write_field(&self.state.part, Codec::Zip)?)?;
         write_json(&place(SIMULATION_FILE), summary)?;
@@ -235,10 +228,7 @@ impl TrialRun {
 /// Returns the root mean square of measured minus simulated heights after a pass [m], registered where no pass so far
 /// touched the part; `None` for exposure masks, and if too little is untouched.
 pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
-    let (PassScan::Heights(measured), PassScan::Heights(simulated)) = (&trial.passes[pass].scan, &simulated[pass].scan)
-    else {
-        return None;
-    };
+    let (measured, simulated) = (trial.passes[pass].scan.heights()?, simulated[pass].scan.heights()?);
     let (measured, _) = despiked(measured);
     let mut free = vec![true; measured.heights.len()];
     for before in &trial.passes[..=pass] {

@@ -18,15 +18,29 @@ pub enum Process {
 }
 
 impl Process {
-    /// Both processes.
+    /// All processes.
     pub const ALL: [Self; 2] = [Self::Grinding, Self::Sanding];
+
+    fn facts(self) -> Facts {
+        match self {
+            Self::Grinding => Facts {
+                name: "grinding",
+                signal: Signal::Height,
+                laws: ["winkler", "preston-threshold"],
+                per_pressure: "if(rate > 0, grind_rate, 0)",
+            },
+            Self::Sanding => Facts {
+                name: "sanding",
+                signal: Signal::Dose,
+                laws: ["winkler", "preston-sanding"],
+                per_pressure: "sanding_rate * slip_speed",
+            },
+        }
+    }
 
     /// Name in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Grinding => "grinding",
-            Self::Sanding => "sanding",
-        }
+        self.facts().name
     }
 
     /// Returns the process of this name.
@@ -34,21 +48,63 @@ impl Process {
         Self::ALL.into_iter().find(|process| process.name() == name)
     }
 
-    /// True if the process has this hook: grinding has no dose and no exposure, sanding no recession.
+    /// Signal that its law drives.
+    pub fn signal(self) -> Signal {
+        self.facts().signal
+    }
+
+    /// Names of its default laws.
+    pub fn laws(self) -> [&'static str; 2] {
+        self.facts().laws
+    }
+
+    /// Derivative of [`Signal::rate`] with respect to the pressure under the default laws, as a formula.
+    pub fn rate_per_pressure(self) -> &'static str {
+        self.facts().per_pressure
+    }
+
+    /// True if the process has this hook: one that drives heights has no dose and no exposure, the other no recession.
     pub fn has(self, place: Hook) -> bool {
-        match self {
-            Self::Grinding => !matches!(place, Hook::Dose | Hook::Exposure),
-            Self::Sanding => place != Hook::Rate,
+        match self.signal() {
+            Signal::Height => !matches!(place, Hook::Dose | Hook::Exposure),
+            Signal::Dose => place != Hook::Rate,
         }
     }
+}
+
+/// Signal that the law of a process drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signal {
+    /// The surface recedes; scans are maps of heights.
+    Height,
+    /// A dose wears a coating off; scans are masks of the substrate that shows.
+    Dose,
+}
+
+impl Signal {
+    /// The rate that the law states.
+    pub fn rate(self) -> Variable {
+        match self {
+            Self::Height => Variable::Rate,
+            Self::Dose => Variable::DoseRate,
+        }
+    }
+}
+
+/// Facts that distinguish a process.
+struct Facts {
+    name: &'static str,
+    signal: Signal,
+    laws: [&'static str; 2],
+    per_pressure: &'static str,
 }
 
 /// A value for each process; usually both are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByProcess<T> {
-    /// Value for grinding.
+    /// Value for grinding, and for other processes that drive heights.
     pub grinding: T,
-    /// Value for sanding.
+    /// Value for sanding, and for other processes that drive doses.
     pub sanding: T,
 }
 
@@ -60,9 +116,9 @@ impl<T: Copy> ByProcess<T> {
 
     /// The value for a process.
     pub fn of(&self, process: Process) -> T {
-        match process {
-            Process::Grinding => self.grinding,
-            Process::Sanding => self.sanding,
+        match process.signal() {
+            Signal::Height => self.grinding,
+            Signal::Dose => self.sanding,
         }
     }
 }

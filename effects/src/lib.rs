@@ -60,7 +60,8 @@ pub use accepted::Accepted;
 pub use call::Call;
 pub use compiled::{CellState, CompiledModel, PoseChange};
 pub use definition::{
-    ByProcess, Change, Definition, Effect, Formula, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
+    ByProcess, Change, Definition, Effect, Formula, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale,
+    Signal, State,
 };
 pub use dimension::Dimension;
 pub use edit::{Edit, candidates};

@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 
 use super::check::{check, check_circles, infer_units};
-use super::definition::{Effect, Kind, Process};
+use super::definition::{Effect, Kind};
 use super::error::{EffectError, Problem};
 use super::read::read;
 use super::toml_text::Source;
@@ -101,14 +101,6 @@ impl Library {
     /// Returns the law or effect of this name.
     pub fn find(&self, name: &str) -> Option<&Effect> {
         self.all().find(|effect| effect.name == name)
-    }
-
-    /// Default laws of a process.
-    pub fn default_laws(process: Process) -> [&'static str; 2] {
-        match process {
-            Process::Grinding => ["winkler", "preston-threshold"],
-            Process::Sanding => ["winkler", "preston-sanding"],
-        }
     }
 }
 

@@ -124,7 +124,7 @@ impl Model {
     /// The base model of a process, with no effects.
     pub fn new(process: Process) -> Self {
         let law = |name: &&str| ModelPart { name: (*name).to_owned(), values: Vec::new() };
-        let laws = Library::default_laws(process).iter().map(law).collect();
+        let laws = process.laws().iter().map(law).collect();
         Self { process, laws, effects: Vec::new(), free: None, ranges: Vec::new() }
     }
 
@@ -222,7 +222,7 @@ impl Model {
 
     /// Adds the default laws whose value no law of the model gives.
     fn add_default_laws(&mut self, library: &Library) {
-        for name in Library::default_laws(self.process) {
+        for name in self.process.laws() {
             let gives = |name: &str, value: Variable| {
                 library.find(name).is_some_and(|law| law.changes.iter().any(|change| change.value == value))
             };
@@ -263,11 +263,7 @@ impl Model {
     /// An unknown law, or a value that no law or more than one gives.
     pub fn resolve_laws<'l>(&self, library: &'l Library) -> Result<Vec<&'l Effect>, ModelError> {
         let laws = self.resolve(&self.laws, (Kind::Law, "law"), library)?;
-        let values = match self.process {
-            Process::Grinding => [Variable::Pressure, Variable::Rate],
-            Process::Sanding => [Variable::Pressure, Variable::DoseRate],
-        };
-        for value in values {
+        for value in [Variable::Pressure, self.process.signal().rate()] {
             let found = laws.iter().filter(|law| law.changes.iter().any(|change| change.value == value)).count();
             if found != 1 {
                 return Err(ModelError::Laws { value: value.name(), found });

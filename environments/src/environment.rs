@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use effects::{CompiledModel, Process, States};
+use effects::{CompiledModel, Signal, States};
 use glam::DQuat;
 use random::Stream;
 use robot::{Controller, Tool};
@@ -138,7 +138,7 @@ impl Environment {
         let limits = &self.setup.limits;
         let way = 2.0 * self.task.curve.length() / limits.feed;
         match self.model.law_value("grind_rate") {
-            Some(rate) if self.task.process == Process::Grinding => {
+            Some(rate) if self.task.process.signal() == Signal::Height => {
                 2.0 * self.task.volume / (rate * 0.5 * limits.force) + way
             }
             _ => 10.0 * SANDINGS * way,
@@ -218,7 +218,7 @@ impl Environment {
     /// Returns the path's sample of a stance, at the crown of the weld; the controller moves down from there.
     fn sample(&self, stance: &Stance, time: f64) -> PathSample {
         let station = self.task.curve.at(stance.arc);
-        let level = CLEARANCE + if self.task.process == Process::Grinding { self.task.weld.height } else { 0.0 };
+        let level = CLEARANCE + if self.task.process.signal() == Signal::Height { self.task.weld.height } else { 0.0 };
         let turn =
             DQuat::from_axis_angle(station.tangent, stance.roll) * DQuat::from_axis_angle(station.side(), stance.pitch);
         let approach = turn * station.normal;

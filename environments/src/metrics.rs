@@ -1,6 +1,6 @@
 //! Metrics of an episode.
 
-use effects::Process;
+use effects::Signal;
 
 use crate::reward::{OVERSANDED_DOSE, left};
 use crate::strip::Strip;
@@ -52,7 +52,7 @@ impl Metrics {
         self.gouge_depth = strip.deepest();
         self.gouge_volume = strip.volumes()[1];
         self.oversanded = strip.share_dosed(OVERSANDED_DOSE);
-        if task.process == Process::Grinding {
+        if task.process.signal() == Signal::Height {
             self.removed_error = (self.removed_volume - task.volume) / task.volume;
         }
     }

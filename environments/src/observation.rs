@@ -1,6 +1,6 @@
 //! Observations of a policy.
 
-use effects::Process;
+use effects::Signal;
 use sim::surface::way_to_surface;
 
 use crate::environment::Environment;
@@ -72,9 +72,9 @@ fn left_at(environment: &Environment, station: isize, place: isize) -> f64 {
         return 0.0;
     }
     let at = station as usize * across + place as usize;
-    match environment.task.process {
-        Process::Grinding => f64::from(environment.strip.heights[at]) / environment.task.weld.height,
-        Process::Sanding => 1.0 - f64::from(environment.strip.doses[at]),
+    match environment.task.process.signal() {
+        Signal::Height => f64::from(environment.strip.heights[at]) / environment.task.weld.height,
+        Signal::Dose => 1.0 - f64::from(environment.strip.doses[at]),
     }
 }
 
@@ -119,7 +119,8 @@ fn heights(environment: &Environment, out: &mut [f32]) {
     let (station, place) = nearest(environment);
     let [along, across] = HEIGHTS;
     let (first, left) = (station - along as isize / 2, place - across as isize / 2);
-    let scale = if environment.task.process == Process::Grinding { environment.task.weld.height * 1e3 } else { 1.0 };
+    let scale =
+        if environment.task.process.signal() == Signal::Height { environment.task.weld.height * 1e3 } else { 1.0 };
     for (at, out) in out.iter_mut().enumerate() {
         let value = left_at(environment, first + (at / across) as isize, left + (at % across) as isize);
         *out = (value * scale) as f32;

@@ -1,6 +1,6 @@
 //! Costs, whose fall is the reward, and the ends of an episode.
 
-use effects::Process;
+use effects::Signal;
 
 use crate::strip::Strip;
 use crate::task::Task;
@@ -20,20 +20,20 @@ const DEEPEST: f64 = 1e-3;
 
 /// Returns the cost: the remaining share, plus the weighted share of gouges or oversanding.
 pub(crate) fn cost(task: &Task, strip: &Strip) -> f64 {
-    match task.process {
-        Process::Grinding => {
+    match task.process.signal() {
+        Signal::Height => {
             let [above, below] = strip.volumes();
             (above + GOUGE * below) / task.volume
         }
-        Process::Sanding => 1.0 - strip.share_dosed(SANDED) + OVERSANDED * strip.share_dosed(OVERSANDED_DOSE),
+        Signal::Dose => 1.0 - strip.share_dosed(SANDED) + OVERSANDED * strip.share_dosed(OVERSANDED_DOSE),
     }
 }
 
 /// Returns the remaining share of the bead or of the coated strip.
 pub(crate) fn left(task: &Task, strip: &Strip) -> f64 {
-    match task.process {
-        Process::Grinding => strip.volumes()[0] / task.volume,
-        Process::Sanding => 1.0 - strip.share_dosed(SANDED),
+    match task.process.signal() {
+        Signal::Height => strip.volumes()[0] / task.volume,
+        Signal::Dose => 1.0 - strip.share_dosed(SANDED),
     }
 }
 

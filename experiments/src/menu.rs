@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use effects::Process;
+use effects::Signal;
 use robot::Controller;
 use trials::trial::{ForceInput, Trial};
 
@@ -198,7 +198,7 @@ impl Menu<'_> {
             self.add("the first half of each pass", passes);
         }
         // A panel is sanded over its whole area.
-        if self.template.process == Process::Sanding {
+        if self.template.process.signal() == Signal::Dose {
             return;
         }
         let (tool, surface) = (&self.template.tool, self.template.scans.clean_before());
@@ -223,7 +223,7 @@ impl Menu<'_> {
 
     /// Repeated scans of each surface, which average noise. The border of a mask does not improve by averaging.
     fn add_scans(&mut self) {
-        if self.template.process == Process::Sanding {
+        if self.template.process.signal() == Signal::Dose {
             return;
         }
         for scans in SCANS {

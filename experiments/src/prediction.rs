@@ -13,7 +13,7 @@ use lab::{EvidenceError, HeightView, Observation, ScanEvidence, ScanView, TileGr
 use trial_simulation::CampaignError;
 use trial_simulation::SeenSurface;
 use trial_simulation::{SimulatedPass, Simulation, SimulationError, Variation};
-use trials::trial::{PassScan, Trial};
+use trials::trial::Trial;
 
 /// Index of the template trial.
 pub(super) const TEMPLATE: usize = 0;
@@ -157,10 +157,7 @@ impl<'a> Predictor<'a> {
     fn unground(&self, simulation: &Simulation, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
         let like = &simulation.trial.passes[0].scan;
         let seen = SeenSurface::of(&simulation.part, (pixels_of(simulation.trial), like), model, (1, 0));
-        Ok(match seen.reported(model)? {
-            PassScan::Heights(map) => map.heights,
-            PassScan::Exposure(_) => Vec::new(),
-        })
+        Ok(seen.reported(model)?.heights().map_or_else(Vec::new, |map| map.heights.clone()))
     }
 
     /// Tiles within the union of all hypotheses' cuts except rims, with the scan noise of the first hypothesis.
@@ -220,10 +217,8 @@ fn pixels_of(trial: &Trial) -> PixelGrid {
 
 fn surface(pass: SimulatedPass, model: &CompiledModel) -> Result<Vec<f64>, EvidenceError> {
     let margin = pass.surface.dose_margin(model)?;
-    Ok(match (margin, pass.scan) {
-        (None, PassScan::Heights(map)) => map.heights,
-        (margin, _) => margin.unwrap_or_default(),
-    })
+    let heights = || pass.scan.heights().map_or_else(Vec::new, |map| map.heights.clone());
+    Ok(margin.unwrap_or_else(heights))
 }
 
 /// Tiles of ground scans: side such that the first trial's last scan has at most [`NEXT_TRIAL_TILES`], and the noise of

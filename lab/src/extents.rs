@@ -50,10 +50,7 @@ impl Reaches for ScanEvidence<'_> {
 
 /// Effect file of the sums: the removal, then the removal times each name.
 fn watch(process: Process, names: &[&str], states: &str) -> String {
-    let removal = match process {
-        Process::Grinding => "rate",
-        Process::Sanding => "dose_rate",
-    };
+    let removal = process.signal().rate().name();
     let sum = |(k, factor): (usize, String)| {
         format!("[state.sum_{k}]\nper = \"workpiece_cell\"\nrate = \"{removal}{factor}\"\n")
     };

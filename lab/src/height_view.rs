@@ -19,7 +19,6 @@ use crate::criteria::{
 };
 use trial_simulation::SimulatedPass;
 use trials::measure::despiked;
-use trials::trial::PassScan;
 
 /// Prior standard deviations of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift
 /// along x, y [m].
@@ -258,10 +257,7 @@ impl Observation for HeightView {
         (pass, _): (&SimulatedPass, &CompiledModel),
         instrument: &dyn Fn(&HeightMap) -> HeightMap,
     ) -> Result<Vec<f64>, EvidenceError> {
-        match &pass.scan {
-            PassScan::Heights(surface) => Ok(instrument(surface).heights),
-            PassScan::Exposure(_) => unreachable!("a simulated scan is like the real one"),
-        }
+        Ok(instrument(pass.scan.heights().expect("a simulated scan is like the real one")).heights)
     }
 
     fn whitened(&self, predicted: &[f64]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Nuisance parameters of predictions: a simulated surface is blurred like the instrument's, and corrected by the share
 //! of the lattice error that the data contain, before it is compared with a scan. Every model determines them again.
 
-use effects::{CompiledModel, Process};
+use effects::{CompiledModel, Signal};
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
@@ -13,7 +13,6 @@ use super::scans::{ScanEvidence, ScanView};
 use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
 use crate::criteria::BLUR_WIDEST;
 use trial_simulation::SimulatedPass;
-use trials::trial::PassScan;
 
 /// Number of blurs tried at first, and the change at which the search ends [pixels].
 const BLUR_STEPS: usize = 6;
@@ -76,7 +75,7 @@ impl ScanEvidence<'_> {
         if let Some(nuisances) = self.nuisances {
             return Ok(nuisances);
         }
-        if self.process() == Process::Sanding {
+        if self.process().signal() == Signal::Dose {
             return Ok(Nuisances::default());
         }
         let blur = self.blur_of((passes, model))?;
@@ -93,7 +92,7 @@ impl ScanEvidence<'_> {
         let (mut products, mut squares) = (0.0, 0.0);
         for view in self.of(Split::Calibration) {
             let (Some(error), Some(data)) = (&self.simulation_errors, view.data.as_heights()) else { continue };
-            let PassScan::Heights(simulated) = &passes[view.trial][view.pass].scan else { continue };
+            let Some(simulated) = passes[view.trial][view.pass].scan.heights() else { continue };
             let (left, (_, error)) =
                 (data.left(&self.seen(view, simulated, even).heights), error.of(view.trial, view.pass));
             for (left, error) in data.rims.means(|at| left[at]).into_iter().zip(data.rims.means(|at| error[at])) {
@@ -140,7 +139,7 @@ impl ScanEvidence<'_> {
         if let Some(nuisances) = self.nuisances {
             return Ok(nuisances.blur);
         }
-        if self.process() == Process::Sanding {
+        if self.process().signal() == Signal::Dose {
             return Ok(0.0);
         }
         let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;

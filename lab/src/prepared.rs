@@ -90,7 +90,7 @@ impl<'a> Surface<'a> {
     }
 
     fn is_ground(&self) -> bool {
-        self.trial.passes.iter().any(|pass| matches!(pass.scan, PassScan::Heights(_)))
+        self.trial.passes.iter().any(|pass| pass.scan.heights().is_some())
     }
 
     /// Converts the scans after the passes to data.

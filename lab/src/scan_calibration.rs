@@ -1,6 +1,6 @@
 //! Calibration against scans, which then hold the simulation errors near the calibrated model.
 
-use effects::{CompiledModel, Library, Model, Process};
+use effects::{CompiledModel, Library, Model, Signal};
 
 use super::begin::with_matched_rate;
 use super::calibrate::fit_roughly;
@@ -23,7 +23,7 @@ impl<'a> ScanEvidence<'a> {
     /// If the model cannot be simulated on a lattice twice as fine.
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.frame = None;
-        if self.process() == Process::Sanding {
+        if self.process().signal() == Signal::Dose {
             self.frame = FrameFreedom::of_moved(self, model)?;
             return Ok(());
         }
@@ -54,7 +54,7 @@ impl<'a> ScanEvidence<'a> {
     ) -> Result<Calibration, LabError> {
         let compiled = CompiledModel::new(model, library, self.rows())?;
         self.limit_steps(&compiled)?;
-        if self.process() == Process::Sanding {
+        if self.process().signal() == Signal::Dose {
             self.measure_simulation_errors(&with_matched_rate(self, &compiled)?)?;
             return Calibration::new(self, (model, start), library, (order, done));
         }
@@ -71,7 +71,7 @@ impl<'a> ScanEvidence<'a> {
     /// # Errors
     /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
-        if self.process() == Process::Sanding {
+        if self.process().signal() == Signal::Dose {
             return Ok(calibration);
         }
         self.follow_frame(&calibration.last().fit)?;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts, Signal};
 use nalgebra::DMatrix;
 
 use super::coarse_scans::CoarseLattice;
@@ -72,7 +72,7 @@ impl<'a> ScanEvidence<'a> {
     /// # Errors
     /// If a trial makes no part, or has no scan that can be used.
     pub fn new(trials: &'a [Trial], voxel: Option<f64>) -> Result<Self, EvidenceError> {
-        let sands = trials.iter().all(|trial| trial.process == Process::Sanding);
+        let sands = trials.iter().all(|trial| trial.process.signal() == Signal::Dose);
         let pitch = |trial: &Trial| trial.scans.before.pixels.pitch;
         let coarse = || {
             let across = trials[0].tool.half_width() / SANDING_VOXELS_ACROSS;

@@ -91,7 +91,8 @@ impl SimulationErrors {
             .collect();
         let noise_depth = noise_depth(evidence, &repeats, &beside(4));
         let identity = identity(&(&heights, &ends, noise_depth));
-        let scans = |passes: &Vec<SimulatedPass>| passes.iter().filter_map(|pass| heights_of(&pass.scan)).collect();
+        let scans =
+            |passes: &Vec<SimulatedPass>| passes.iter().filter_map(|pass| pass.scan.heights().cloned()).collect();
         Ok(Self { usual: runs[0].iter().map(scans).collect(), heights, ends, noise_depth, identity })
     }
 
@@ -113,13 +114,6 @@ impl SimulationErrors {
     /// SHA-256 of all errors.
     pub fn identity(&self) -> &str {
         &self.identity
-    }
-}
-
-fn heights_of(scan: &PassScan) -> Option<HeightMap> {
-    match scan {
-        PassScan::Heights(map) => Some(map.clone()),
-        PassScan::Exposure(_) => None,
     }
 }
 

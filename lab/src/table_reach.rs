@@ -1,6 +1,6 @@
 //! Effects that rows of a table can show, and reasons against the others.
 
-use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
+use effects::{CompiledModel, Effect, Library, Model, RowCounts, Signal};
 
 use super::coordinates::{Coordinate, moved};
 use super::evidence::{EvidenceError, Split};
@@ -123,14 +123,14 @@ impl RowEvidence<'_> {
             }
             .map(|what| format!("no area of contact is given: {} mm^2 is assumed, and {what}", 1e6 * NOMINAL_AREA)),
         );
-        if table.process == Process::Sanding && table.coating.is_none() {
+        if table.process.signal() == Signal::Dose && table.coating.is_none() {
             let thickness = 1e6 * NOMINAL_COATING;
             notes.push(format!(
                 "no thickness of the coating is given: {thickness} um is assumed, and the rate constant is identified \
                  only times the thickness"
             ));
         }
-        if table.process == Process::Sanding && table.rows.iter().any(|row| row.speed.is_none()) {
+        if table.process.signal() == Signal::Dose && table.rows.iter().any(|row| row.speed.is_none()) {
             notes.push(format!(
                 "no speed is given: {NOMINAL_SPEED} m/s is assumed, and the rate constant is identified only times the \
                  speed"

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Process, Reset, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Dimension, Holder, Hook, Lanes, Reset, RunError, Signal, States, StepValues, Variable};
 
 use super::table_library::{COLUMN_STATE, column_of};
 use trials::table::{Removed, Row, Table, Usage};
@@ -255,7 +255,7 @@ impl<'a> Rows<'a> {
         states: &States,
         step: &StepValues,
     ) -> Result<(f64, f64), RunError> {
-        let grinds = self.model.process() == Process::Grinding;
+        let grinds = self.model.process().signal() == Signal::Height;
         let place = if grinds { Hook::Rate } else { Hook::Dose };
         let own = [
             (Variable::Pressure, [pressure]),

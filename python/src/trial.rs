@@ -92,14 +92,13 @@ impl Trial {
 
 /// Returns the values of a scan, shape `[ny, nx]`, with its pixels: heights [m], or 1 where exposed; NaN where missing.
 fn scan<'py>(py: Python<'py>, scan: &PassScan) -> PyResult<Bound<'py, PyAny>> {
-    let (pixels, name, values) = match scan {
-        PassScan::Heights(map) => (map.pixels, "heights", map.heights.clone()),
-        PassScan::Exposure(mask) => {
-            let value = |exposed: &Option<bool>| exposed.map_or(f64::NAN, f64::from);
-            (mask.pixels, "exposed", mask.exposed.iter().map(value).collect())
-        }
-    };
-    let PixelGrid { origin, pitch, nx, ny } = pixels;
+    let heights = scan.heights().map(|map| ("heights", map.heights.clone()));
+    let exposed = scan.mask().map(|mask| {
+        let value = |exposed: &Option<bool>| exposed.map_or(f64::NAN, f64::from);
+        ("exposed", mask.exposed.iter().map(value).collect())
+    });
+    let Some((name, values)) = heights.or(exposed) else { return Ok(py.None().into_bound(py)) };
+    let PixelGrid { origin, pitch, nx, ny } = scan.pixels();
     let shown = PyDict::new(py);
     shown.set_item("origin", (origin.x, origin.y))?;
     shown.set_item("pitch", pitch)?;

@@ -12,7 +12,7 @@ use crate::height_field::HeightField;
 use crate::lines::{Lines, Run};
 use crate::pose::Placement;
 use crate::tool_cells::ToolCells;
-use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, Process, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Lanes, Per, PoseChange, RunError, Signal, States, StepValues, Variable};
 use robot::Tool;
 use sdf_bake::simd::in_wide_lanes;
 
@@ -135,7 +135,7 @@ impl<'a> Physics<'a> {
 
     /// True if the surface recedes.
     pub fn grinds(&self) -> bool {
-        self.model.process() == Process::Grinding || self.model.has(Hook::Rate)
+        self.model.process().signal() == Signal::Height || self.model.has(Hook::Rate)
     }
 
     /// True if pressure or recession may be nonlinear in the depth.
@@ -145,7 +145,7 @@ impl<'a> Physics<'a> {
 
     /// True if coating is removed.
     pub fn sands(&self) -> bool {
-        self.model.process() == Process::Sanding
+        self.model.process().signal() == Signal::Dose
     }
 
     /// True if the part has to store the removed depth: a hook of the contact or of the scanner reads it.

@@ -9,6 +9,7 @@ use clap::Args;
 use effects::{CompiledModel, Library, Model, RowCounts};
 use robot::Wheel;
 use serde::Serialize;
+use sim::Executor;
 use weldgen::Placement;
 
 use super::flags::SEEDS;
@@ -17,7 +18,7 @@ use super::values::whole;
 use crate::asset::{self, ASSET_NAMES, Extras, MANIFEST_FILE, UsdMode, write_json};
 use crate::console::Console;
 use crate::finishing::{
-    self, Executor, GRIND_FILE, GROUND_NAMES, GrindSummary, Grinding, Ground, PAGE_FILE, Plan, grind_asset,
+    self, GRIND_FILE, GROUND_NAMES, GrindSummary, Grinding, Ground, PAGE_FILE, Plan, Session, grind_asset,
 };
 use crate::part::Part;
 use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
@@ -136,8 +137,8 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let model = Model::parse("the base law", "process = \"grinding\"", Library::builtin())?;
     let model = CompiledModel::new(&model, Library::builtin(), RowCounts::default())?;
     let grind_folder = StagedFolder::fresh(&folder.join("grind"))?;
-    let (grinding, executor) = (Grinding { wheel, plan, model }, Executor { device: None, console });
-    let mut ground = grind_asset(&asset, grinding, &Keeping::default(), grind_folder.path(), executor)?;
+    let (grinding, session) = (Grinding { wheel, plan, model }, Session { executor: Executor::Cpu, console });
+    let mut ground = grind_asset(&asset, grinding, &Keeping::default(), grind_folder.path(), session)?;
     if let Some(error) = ground.stopped.take() {
         return Err(error);
     }

@@ -8,6 +8,7 @@ use clap::Args;
 use effects::{CompiledModel, Process, RowCounts};
 use robot::{Tool, Wheel};
 use serde::Serialize;
+use sim::Executor;
 
 use super::backend_flags::{BackendFlags, name_of};
 use super::faults::refuse_all;
@@ -16,7 +17,7 @@ use super::model_flags::ModelFlags;
 use super::values::{number, whole};
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
-use crate::finishing::{self, Executor, GROUND, GrindSummary, Grinding, Plan, grind_asset};
+use crate::finishing::{self, GROUND, GrindSummary, Grinding, Plan, Session, grind_asset};
 use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
 use study::snapshot::{Keeping, Resume, kept};
@@ -311,8 +312,9 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let keeping = args.state.keeping(plan.passes as usize)?;
     let refusal = sim::gpu::refusal_of(&Tool::from(wheel), &model);
     let device = args.backend.device(refusal, console)?;
-    let (grinding, executor) = (Grinding { wheel, plan, model }, Executor { device: device.as_ref(), console });
-    let mut ground = grind_asset(&args.folder, grinding, &keeping, folder.path(), executor)?;
+    let executor = Executor::from(device.as_ref());
+    let (grinding, session) = (Grinding { wheel, plan, model }, Session { executor, console });
+    let mut ground = grind_asset(&args.folder, grinding, &keeping, folder.path(), session)?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     if let Some(error) = ground.stopped.take() {

@@ -6,9 +6,9 @@ use anyhow::{Context, Error, Result, ensure};
 use effects::{CompiledModel, States};
 use robot::Tool;
 use sdf_bake::BrickGrid;
-use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS, gpu, run_pass};
+use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS};
 
-use super::{Executor, Grinding};
+use super::{Grinding, Session};
 use crate::asset::WeldTruth;
 use lab::Origin;
 use study::snapshot::{self, Resume, Snapshot};
@@ -67,7 +67,7 @@ pub(super) fn run_passes(
     mut done: Done,
     weld: &WeldTruth,
     Grinding { wheel, plan, model }: &Grinding,
-    executor: Executor<'_>,
+    session: Session<'_>,
 ) -> Result<Done> {
     let tool = &Tool::from(*wheel);
     let (curve, search_reach) = followed(weld, tool);
@@ -81,7 +81,7 @@ pub(super) fn run_passes(
         let path = if number % 2 == 1 { &forth } else { &back };
         let trial_time = (number - 1) as f64 * forth.duration();
         let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &settings, model) };
-        let record = match run_one((grid, &mut states), pass, executor) {
+        let record = match run_one((grid, &mut states), pass, session) {
             Ok(record) => record,
             Err(error) if number == 1 => return Err(error),
             Err(error) => {
@@ -92,7 +92,7 @@ pub(super) fn run_passes(
         };
         let left = grid.volume();
         let lost = volume - left;
-        executor.console.step(&format!("pass {number}"), describe(&record, lost));
+        session.console.step(&format!("pass {number}"), describe(&record, lost));
         if let Some((folder, origin)) = &done.folder {
             let trial_time = number as f64 * forth.duration();
             let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
@@ -125,15 +125,12 @@ pub fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
 fn run_one(
     (grid, states): (&mut BrickGrid, &mut States),
     pass: Pass,
-    Executor { device, console }: Executor<'_>,
+    Session { executor, console }: Session<'_>,
 ) -> Result<PassRecord> {
     let name = format!("pass {}", pass.number);
     let bar = console.bar(&name, 100);
     let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
-    let record = match device {
-        Some(device) => gpu::run_pass(device, grid, pass, states, &mut show).context(name.clone()),
-        None => run_pass(grid, pass, states, &mut show).context(name.clone()),
-    };
+    let record = executor.run_pass(grid, pass, states, &mut show).context(name.clone());
     bar.finish_and_clear();
     let record = record?;
     ensure!(

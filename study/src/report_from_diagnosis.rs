@@ -18,7 +18,7 @@ use lab::{
 };
 use robot::Tool;
 use trials::measure::Registration;
-use trials::trial::{Campaign, Finding, PassScan};
+use trials::trial::{Campaign, Finding};
 
 /// Methods of registration and comparison of scans, a sentence each.
 const METHOD: [&str; 3] = [
@@ -207,7 +207,7 @@ pub(super) fn compared_scans(
             force: Some(pass.force_setpoint),
             feed: Some(pass.feed),
             spindle_speed: Some(pass.spindle_speed),
-            noise_floor: matches!(pass.scan, PassScan::Heights(_)).then_some(evidence.noise[view.trial].floor.rms),
+            noise_floor: pass.scan.heights().is_some().then_some(evidence.noise[view.trial].floor.rms),
             alignment: alignments.get(k).copied().flatten(),
         }
     };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 use sdf_bake::HeightMap;
 
-use trials::trial::{ExposureMask, HeldTool, Log, LogRow, Pass, PassScan, Role, ToolPath, Trial, least_gap};
+use trials::trial::{HeldTool, Log, LogRow, Pass, Role, ToolPath, Trial, least_gap};
 
 /// A pass of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl PassPlan {
         };
         let rows = logged.map(row).collect();
         let log = Log { rows, has_approach: pass.log.has_approach, ..Log::default() };
-        let scan = unmeasured(&pass.scan);
+        let scan = pass.scan.unmeasured();
         Some(Self { pass: Pass { log, scan, role: Role::Calibration, ..pass.clone() }, contact })
     }
 
@@ -164,14 +164,6 @@ impl PassPlan {
         self.contact.end = self.contact.start + contact.len();
         self.pass.log.rows = rows;
         self
-    }
-}
-
-/// A scan of the same kind and pixels without measured values.
-fn unmeasured(scan: &PassScan) -> PassScan {
-    match scan {
-        PassScan::Heights(map) => PassScan::Heights(HeightMap { pixels: map.pixels, heights: Vec::new() }),
-        PassScan::Exposure(mask) => PassScan::Exposure(ExposureMask { pixels: mask.pixels, exposed: Vec::new() }),
     }
 }
 

@@ -16,8 +16,8 @@ use robot::Controller;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
 use sim::{
-    Covariates, ForceProfile, Measured, PassError, PassRecord, PassSettings, Path, PathError, Progress, TOOL_CELLS,
-    run_pass,
+    Covariates, ExecutionError, Executor, ForceProfile, Measured, PassRecord, PassSettings, Path, PathError, Progress,
+    TOOL_CELLS,
 };
 use thiserror::Error;
 
@@ -66,15 +66,7 @@ pub enum SimulationError {
         /// Number of the pass, from 1.
         pass: usize,
         /// The cause.
-        error: PassError,
-    },
-    /// A pass failed on the graphics processor.
-    #[error("pass {pass}: {error}")]
-    Device {
-        /// Number of the pass, from 1.
-        pass: usize,
-        /// The cause.
-        error: sim::gpu::GpuError,
+        error: ExecutionError,
     },
     /// A formula of the tool's states failed in a pause.
     #[error("the pause before pass {pass}: {error}")]
@@ -189,7 +181,8 @@ impl<'a> Simulation<'a> {
     pub fn varied(trial: &'a Trial, voxel: f64, replay: bool, variation: &Variation) -> Result<Self, SimulationError> {
         let tool = &trial.tool.shape;
         // Checked before the part is built, which takes long for voxels much wider than the scan's pixels.
-        PassSettings::check_voxel(voxel, tool).map_err(|error| SimulationError::Pass { pass: 1, error })?;
+        PassSettings::check_voxel(voxel, tool)
+            .map_err(|error| SimulationError::Pass { pass: 1, error: error.into() })?;
         let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
         let mut before = trial.scans.checked_before();
         let added = variation.before.iter().flat_map(|map| &map.heights);
@@ -212,7 +205,7 @@ impl<'a> Simulation<'a> {
             let path = logged.path(tool, controller).map_err(|error| SimulationError::Path { pass: i + 1, error })?;
             let rest = passes.last().map_or(0.0, |before| rest(&trial.passes[i - 1], before.path.duration(), pass));
             let settings = settings(pass, trial, controller);
-            settings.check(&part, tool).map_err(|error| SimulationError::Pass { pass: i + 1, error })?;
+            settings.check(&part, tool).map_err(|error| SimulationError::Pass { pass: i + 1, error: error.into() })?;
             let (measured, force) = (columns::measured(trial, pass), logged::force(pass, trial));
             passes.push(Planned { path, settings, measured, force, approach, rest });
         }
@@ -319,12 +312,8 @@ impl<'a> Simulation<'a> {
         columns::check(self.trial, model)?;
         self.rest(&pass, &mut state.tool)?;
         let number = pass.number;
-        let record = match self.device {
-            Some(device) => sim::gpu::run_pass(device, &mut state.part, pass, &mut state.tool, progress)
-                .map_err(|error| SimulationError::Device { pass: number, error })?,
-            None => run_pass(&mut state.part, pass, &mut state.tool, progress)
-                .map_err(|error| SimulationError::Pass { pass: number, error })?,
-        };
+        let record = Executor::from(self.device).run_pass(&mut state.part, pass, &mut state.tool, progress);
+        let record = record.map_err(|error| SimulationError::Pass { pass: number, error })?;
         self.count(state);
         let seen = self.seen(model, state, record)?;
         Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
@@ -380,10 +369,7 @@ impl<'a> Simulation<'a> {
         let rows = (state.passes, state.first_row + state.passes - 1);
         let surface = SeenSurface::of(&state.part, (self.trial.scans.before.pixels, like), model, rows);
         let scan = surface.reported(model).map_err(|error| SimulationError::Scan { pass: state.passes, error })?;
-        let exposed_share = match &scan {
-            PassScan::Exposure(mask) => Some(exposed_share(mask)),
-            PassScan::Heights(_) => None,
-        };
+        let exposed_share = scan.mask().map(exposed_share);
         Ok(SimulatedPass { record, surface, scan, exposed_share, covariates: None })
     }
 }

@@ -1,6 +1,8 @@
 //! Hidden model: base laws drawn from their priors, and effects that the user chooses or that are drawn.
 
-use effects::{CompiledModel, Effect, Library, Model, ModelError, Parameter, Problem, Process, RowCounts, Rows, Scale};
+use effects::{
+    CompiledModel, Effect, Library, Model, ModelError, Parameter, Problem, Process, RowCounts, Rows, Scale, Signal,
+};
 
 use super::MakeError;
 use super::plan::Size;
@@ -141,9 +143,9 @@ pub(super) fn true_model(
 ) -> Result<CompiledModel, MakeError> {
     let mut stream = Stream::of(seed, "law");
     let mut model = Model::new(process);
-    let prior: &[_] = match process {
-        Process::Grinding => &GRINDING_PRIOR,
-        Process::Sanding => &SANDING_PRIOR,
+    let prior: &[_] = match process.signal() {
+        Signal::Height => &GRINDING_PRIOR,
+        Signal::Dose => &SANDING_PRIOR,
     };
     for (law, parameter, range) in prior {
         model.set(law, parameter, &[rounded(stream.ratio_between(*range))]);
@@ -235,9 +237,9 @@ pub fn visible_value(effect: &str, parameter: &Parameter, process: Process, size
     let find = |table: &[(&str, &str, f64, f64)]| {
         table.iter().find(|row| row.0 == effect && row.1 == parameter.name).map(|row| (row.2, row.3))
     };
-    let by_process = find(VISIBLE).map(|(grinding, sanding)| match process {
-        Process::Grinding => grinding,
-        Process::Sanding => sanding,
+    let by_process = find(VISIBLE).map(|(grinding, sanding)| match process.signal() {
+        Signal::Height => grinding,
+        Signal::Dose => sanding,
     });
     let by_size = find(VISIBLE_BY_SIZE).map(|(small, full)| if size == Size::Small { small } else { full });
     by_process.or(by_size).map_or_else(|| parameter.default.of(process), |value| parameter.unit.to_si(value))

@@ -6,7 +6,7 @@ use sim::{Path, PathError, PathSample};
 use super::noise::correlated_line;
 use super::plan::{ProcessDefaults, Setting};
 use super::robot::Robot;
-use effects::Process;
+use effects::{Process, Signal};
 use random::Stream;
 use robot::Tool;
 
@@ -39,9 +39,9 @@ impl Route {
     ///
     /// - `ends`: least and greatest x of the bead or panel [m]
     pub(super) fn of(process: Process, bench: &ProcessDefaults, ends: [f64; 2], setting: &Setting) -> Self {
-        let mut corners = match process {
-            Process::Grinding => vec![DVec2::new(ends[0] + INSET, 0.0), DVec2::new(ends[1] - INSET, 0.0)],
-            Process::Sanding => lines(bench, ends),
+        let mut corners = match process.signal() {
+            Signal::Height => vec![DVec2::new(ends[0] + INSET, 0.0), DVec2::new(ends[1] - INSET, 0.0)],
+            Signal::Dose => lines(bench, ends),
         };
         if setting.backwards {
             corners.reverse();

@@ -1,6 +1,6 @@
 //! True course of a trial, with another lattice, shorter steps and another time quadrature than a fit uses.
 
-use effects::{CompiledModel, Hook, Process, Reset, RunError, States, StepValues, Variable};
+use effects::{CompiledModel, Hook, Process, Reset, RunError, Signal, States, StepValues, Variable};
 use glam::{DVec2, DVec3};
 use sdf_bake::channels::Scalar;
 use sdf_bake::heights::{HeightsError, SlabOptions};
@@ -84,13 +84,13 @@ impl<'a> TrialBuild<'a> {
         let (bench, name) = (ProcessDefaults::of(experiment.process, experiment.size), name.to_owned());
         let mut stream = Stream::of(experiment.seed, &format!("{name}/workpiece"));
         let length = (stream.between(bench.length) * 1e3).round() * 1e-3;
-        let (piece, extent, ends) = match experiment.process {
-            Process::Grinding => {
+        let (piece, extent, ends) = match experiment.process.signal() {
+            Signal::Height => {
                 let plate = Workpiece::plate_length(length);
                 let start = 0.5 * (plate - length);
                 (Workpiece::bead(length, &mut stream), plate, [start, start + length])
             }
-            Process::Sanding => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut stream), length, [0.0, length]),
+            Signal::Dose => (Workpiece::panel(DVec2::new(0.5 * length, 0.0), &mut stream), length, [0.0, length]),
         };
         let (tool, controller) = tooling(experiment.process, &bench);
         let pixels = scanned(&bench, extent);
@@ -133,9 +133,9 @@ impl<'a> TrialBuild<'a> {
         for (pass, setting) in settings.iter().enumerate() {
             let at = (pass + 1, row + pass);
             let (made, removed) = self.made(&self.order(setting), states, at)?;
-            match self.experiment.process {
-                Process::Grinding => truth.removed_by_law_mm3.push(removed * 1e9),
-                Process::Sanding => truth.exposed_share.push(self.exposed_share()),
+            match self.experiment.process.signal() {
+                Signal::Height => truth.removed_by_law_mm3.push(removed * 1e9),
+                Signal::Dose => truth.exposed_share.push(self.exposed_share()),
             }
             passes.push(Pass { role: role((self.number, self.experiment.trials), (pass, settings.len())), ..made });
             done();
@@ -194,7 +194,7 @@ impl<'a> TrialBuild<'a> {
     }
 
     pub(super) fn trial(&self, scans: Scans, passes: Vec<Pass>) -> Trial {
-        let sands = self.experiment.process == Process::Sanding;
+        let sands = self.experiment.process.signal() == Signal::Dose;
         Trial {
             folder: self.name.clone().into(),
             name: self.name.clone(),
@@ -261,7 +261,7 @@ impl<'a> TrialBuild<'a> {
         };
         let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx);
         let labels = || (0..self.pixels.len()).map(|k| self.piece.label(place(k))).collect();
-        let grinds = self.experiment.process == Process::Grinding;
+        let grinds = self.experiment.process.signal() == Signal::Height;
         Ok(Scans {
             before: scan("before")?,
             repeats: (0..self.experiment.repeats).map(|k| scan(&repeat(k))).collect::<Result<_, _>>()?,
@@ -275,7 +275,7 @@ impl<'a> TrialBuild<'a> {
 
     fn scan_after(&self, (pass, row): (usize, usize)) -> Result<PassScan, ExperimentError> {
         let (instrument, mut stream) = (&self.experiment.instrument, self.stream(&format!("pass-{pass}/scan")));
-        if self.experiment.process == Process::Sanding {
+        if self.experiment.process.signal() == Signal::Dose {
             let mut step = StepValues::new();
             (step.scan_row, step.pass_row) = (row, row);
             step.set(Variable::PassNumber, pass as f64);
@@ -359,9 +359,9 @@ impl<'a> TrialBuild<'a> {
 /// The tool and the force controller.
 fn tooling(process: Process, bench: &ProcessDefaults) -> (HeldTool, Controller) {
     let radius = bench.tool_radius;
-    let (tool, (mass, damping, period)) = match process {
-        Process::Grinding => (HeldTool::wheel(radius, WHEEL_WIDTH, DVec3::Y), GRINDING_CONTROLLER),
-        Process::Sanding => (HeldTool::pad(radius), SANDING_CONTROLLER),
+    let (tool, (mass, damping, period)) = match process.signal() {
+        Signal::Height => (HeldTool::wheel(radius, WHEEL_WIDTH, DVec3::Y), GRINDING_CONTROLLER),
+        Signal::Dose => (HeldTool::pad(radius), SANDING_CONTROLLER),
     };
     (tool, Controller::Admittance { mass, damping, period })
 }

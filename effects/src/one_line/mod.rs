@@ -185,7 +185,7 @@ impl OneLine {
         let (named, formula) = sides(line);
         let tree = parse(formula).map_err(|error| syntax(line, formula, &error))?;
         let (hook, value) = value_of(line, named, &tree, process)?;
-        let laws = Library::default_laws(process).into_iter().filter_map(|law| library.find(law));
+        let laws = process.laws().into_iter().filter_map(|law| library.find(law));
         let law_parameters: Vec<(&str, Dimension)> =
             laws.flat_map(|law| &law.parameters).map(|own| (own.name.as_str(), own.unit.dimension)).collect();
         let readable = |state: &&NamedState| state.per.is_readable_at(hook);

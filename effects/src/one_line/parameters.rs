@@ -1,6 +1,5 @@
 //! Null value, range and initial value of each parameter of a one-line effect.
 
-use super::super::definition::Process;
 use super::super::dimension::Dimension;
 use super::super::library::check_file;
 use super::super::unit::Unit;
@@ -120,10 +119,7 @@ impl OneLine {
             )
         };
         let parameters: String = self.unknowns.iter().enumerate().map(parameter).collect();
-        let process = match self.process {
-            Process::Grinding => "grinding",
-            Process::Sanding => "sanding",
-        };
+        let process = self.process.name();
         format!(
             "name = \"{name}\"\ntitle = \"{formula}\"\nprocess = \"{process}\"\nsource = \"a formula that was tried\"\n\
              signature = \"{value} changes\"\nconfused_with = []\n\n{parameters}{states}[modify]\n{value} = \"{formula}\"\n",

@@ -43,8 +43,7 @@ fn with_columns<'a>(columns: &'a [Vec<f64>], range: std::ops::Range<usize>) -> L
 /// Value of a hook in one lane, interpreted formula by formula.
 fn interpreted(model: &CompiledModel, hook: Hook, mut variables: Vec<f64>, tool: (&States, usize)) -> f64 {
     let library = Library::builtin();
-    let laws: Vec<Effect> =
-        Library::default_laws(model.process()).iter().map(|name| library.find(name).unwrap().clone()).collect();
+    let laws: Vec<Effect> = model.process().laws().iter().map(|name| library.find(name).unwrap().clone()).collect();
     let defaults = |effect: &Effect| -> Vec<f64> {
         effect.parameters.iter().map(|parameter| parameter.default.of(model.process())).collect()
     };

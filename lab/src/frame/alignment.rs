@@ -1,7 +1,7 @@
 //! Alignment of logs that lie far from where the scans show the tool. They are moved before any fit, so that every fit
 //! can treat the remaining offset as a degree of freedom.
 
-use effects::{CompiledModel, Library, Model, Process};
+use effects::{CompiledModel, Library, Model, Signal};
 use nalgebra::DVector;
 use trials::trial::Trial;
 
@@ -27,7 +27,7 @@ pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Opt
     let search = Search { trials, model, library, arms: Arms::of(&trials.iter().collect::<Vec<_>>()) };
     let voxel = COARSE_VOXEL_RATIO * trials[0].scans.before.pixels.pitch;
     let mut place = [0.0; QUANTITIES];
-    if trials[0].process == Process::Grinding {
+    if trials[0].process.signal() == Signal::Height {
         place = search.settled(place, Some(voxel))?;
         if !search.is_far(place) {
             return Ok(None);

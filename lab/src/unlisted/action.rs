@@ -1,7 +1,7 @@
 //! Quantities that an unlisted effect may change, and the first-order response of the base laws to each: the change of
 //! the removal at unchanged contact.
 
-use effects::{Process, Unit};
+use effects::{Process, Signal, Unit};
 
 use super::variables::{Scope, Variable};
 
@@ -86,17 +86,14 @@ impl Action {
             Self::Rate => true,
             Self::Pressure | Self::Roll | Self::Offset => variable.scope == Scope::Tool,
             Self::Gap => variable.scope == Scope::Face,
-            Self::Height => process == Process::Grinding && variable.scope == Scope::Part,
+            Self::Height => process.signal() == Signal::Height && variable.scope == Scope::Part,
         }
     }
 
     /// Change of the removal rate per typical size, as a formula of a workpiece cell's state; `None` if the change is
     /// not one of the contact.
     pub(crate) fn sensitivity(self, process: Process) -> Option<String> {
-        let (removal, of_pressure) = match process {
-            Process::Grinding => ("rate", "if(rate > 0, grind_rate, 0)"),
-            Process::Sanding => ("dose_rate", "sanding_rate * slip_speed"),
-        };
+        let (removal, of_pressure) = (process.signal().rate().name(), process.rate_per_pressure());
         match self {
             Self::Rate => Some(removal.to_owned()),
             Self::Pressure => Some(format!("{of_pressure} * (pressure - pressure_mean)")),

@@ -5,7 +5,7 @@ use image::Rgb;
 use robot::Tool;
 use sdf_bake::HeightMap;
 use trials::measure::{CLEARANCE, DegreesOfFreedom, register, untouched};
-use trials::trial::{ExposureMask, HeldTool, PassScan, ToolPath, ToolPose, Trial};
+use trials::trial::{ExposureMask, HeldTool, ToolPath, ToolPose, Trial};
 
 use super::TrialCheck;
 use crate::map_image::{Line, MapImage, Values};
@@ -37,13 +37,10 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
     page.drawing(&heights(before, lines(trial, 0..trial.passes.len())), "Heights before the first pass.");
     let mut earlier = before;
     for (k, pass) in trial.passes.iter().enumerate() {
-        let after = match &pass.scan {
-            PassScan::Heights(after) => after,
-            PassScan::Exposure(mask) => {
-                page.drawing(&exposed(mask), &format!("Exposed after pass {}: orange.", k + 1));
-                continue;
-            }
-        };
+        if let Some(mask) = pass.scan.mask() {
+            page.drawing(&exposed(mask), &format!("Exposed after pass {}: orange.", k + 1));
+        }
+        let Some(after) = pass.scan.heights() else { continue };
         let left = change(trial, k, earlier, after);
         let scale = ColourScale::new(check.noise.floor.sigma, left.iter().copied());
         let title = format!("pass {}: height after minus height before, by place", k + 1);
@@ -180,7 +177,7 @@ fn section(trial: &Trial, pass: usize, (pose, across): (&ToolPose, DVec2)) -> Ve
     };
     let named = |name: &str, stroke, points| Series { stroke: Some(stroke), ..Series::new(name, points) };
     let mut series = vec![named("before the first pass", BEFORE, line(before))];
-    if let PassScan::Heights(after) = &trial.passes[pass].scan {
+    if let Some(after) = trial.passes[pass].scan.heights() {
         series.push(named("after this pass", AFTER, line(after)));
     }
     series.push(named("tool by its log", TOOL, outline(&trial.tool, pose, across)));

@@ -4,7 +4,7 @@ mod drawings;
 
 use serde::Serialize;
 use trials::measure::{NoiseSource, ScanNoise};
-use trials::trial::{Checked, Finding, ForceInput, Pass, PassScan, RPM, Role, Severity, ToolPath, Trial};
+use trials::trial::{Checked, Finding, ForceInput, Pass, RPM, Role, Severity, ToolPath, Trial};
 
 use crate::Page;
 use robot::Controller;
@@ -196,7 +196,7 @@ fn pass_row(trial: &Trial, number: usize, pass: &Pass) -> Vec<String> {
         Role::Calibration => "calibration",
         Role::Evaluation => "evaluation",
     };
-    let kind = if matches!(pass.scan, PassScan::Heights(_)) { "" } else { ", mask" };
+    let kind = if pass.scan.heights().is_some() { "" } else { ", mask" };
     vec![
         format!("{}{kind}", number + 1),
         role.to_owned(),

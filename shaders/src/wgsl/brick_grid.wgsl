@@ -1,13 +1,13 @@
-// Looking up and interpolating a brick grid; twin of brick_grid.rs, same names and order of operations.
-// No bindings: the kernel that includes this declares `grid`, `grid_index` and `grid_phi`.
+// Look-up and interpolation in a brick grid; twin of brick_grid.rs, with the same names and order of operations.
+// No bindings: the including kernel declares `grid`, `grid_index` and `grid_phi`.
 
-// Position of a brick in the index; meaningful where `within_index` holds.
+// Position of a brick in the index; valid only if `within_index` is true.
 fn entry(brick: vec3i) -> u32 {
     let at = vec3u(brick - grid.origin.xyz);
     return (at.x * grid.dims.y + at.y) * grid.dims.z + at.z;
 }
 
-// Whether the index covers a brick.
+// True if the index contains a brick.
 fn within_index(brick: vec3i) -> bool {
     let at = brick - grid.origin.xyz;
     return all(at >= vec3i(0)) && all(at < vec3i(grid.dims.xyz));
@@ -21,7 +21,7 @@ fn slot(brick: vec3i) -> u32 {
     return OUTSIDE;
 }
 
-// Position of a voxel within its brick's values; z runs fastest.
+// Offset of a voxel within its brick's values, z fastest.
 fn voxel_offset(voxel: vec3i) -> u32 {
     let local = vec3u(voxel & vec3i(i32(BRICK_SIDE) - 1));
     return (local.x << (2 * BRICK_SHIFT)) | (local.y << BRICK_SHIFT) | local.z;
@@ -45,25 +45,25 @@ fn cell_phi(corner: vec3i) -> array<f32, 8> {
     return values;
 }
 
-// a + (b - a) * t; the built-in `mix` may be computed otherwise.
+// a + (b - a) * t, written out because implementations may compute the built-in `mix` differently.
 fn lerp(a: f32, b: f32, t: f32) -> f32 {
     return a + (b - a) * t;
 }
 
-// Trilinear interpolation of eight corner values, z fastest, at `f` (0 to 1 on each axis).
+// Trilinear interpolation of eight corner values, z fastest, at `f` (0 to 1 along each axis).
 fn trilinear(v: array<f32, 8>, f: vec3f) -> f32 {
     let low = lerp(lerp(v[0], v[1], f.z), lerp(v[2], v[3], f.z), f.y);
     let high = lerp(lerp(v[4], v[5], f.z), lerp(v[6], v[7], f.z), f.y);
     return lerp(low, high, f.x);
 }
 
-// Whether a point is finite, told from its bits: a compiler may assume that no comparison meets a NaN.
+// True if a point is finite. Tests the bits, because compilers may assume that no operand of a comparison is NaN.
 fn is_finite(point: vec3f) -> bool {
     let exponent = vec3u(0x7f800000u);
     return all((bitcast<vec3u>(point) & exponent) != exponent);
 }
 
-// Phi at a point [m], trilinear between the eight voxels around it.
+// Phi at a point [m], interpolated trilinearly between the eight voxels around it.
 fn sample_phi(point: vec3f) -> f32 {
     if !is_finite(point) {
         return grid.invalid;

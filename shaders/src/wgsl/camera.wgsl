@@ -1,8 +1,8 @@
-// A ray for a point of the image; twin of camera.rs and lens.rs. The kernel that includes this declares `stage`.
+// Camera rays through image points; twin of camera.rs and lens.rs. The including kernel declares `stage`.
 
 
 struct Ray {
-    // Start [voxels], from the lowest voxel of the index.
+    // Start [voxels], relative to the lowest voxel of the index.
     origin: vec3f,
     direction: vec3f,
 }
@@ -20,7 +20,7 @@ fn lens_shift(at: vec2f) -> vec2f {
     return vec2f(p1 * product + p2 * (r2 + 2.0 * at.x * at.x), p1 * (r2 + 2.0 * at.y * at.y) + p2 * product);
 }
 
-// The pinhole's image point that is imaged at a place.
+// Maps a distorted image point to the pinhole's, by fixed-point iteration.
 fn undistort(imaged: vec2f) -> vec2f {
     if all(stage.lens == vec4f(0.0)) && stage.lens_askew == 0.0 {
         return imaged;
@@ -32,7 +32,7 @@ fn undistort(imaged: vec2f) -> vec2f {
     return at;
 }
 
-// The ray through a point of the image, in pixels from its top left corner.
+// Ray through a point of the image, in pixels from the top left corner.
 fn camera_ray(pixel: vec2f) -> Ray {
     let at = pixel / vec2f(f32(stage.width), f32(stage.height));
     let image = vec2f((2.0 * at.x - 1.0) * stage.aspect, 2.0 * at.y - 1.0);

@@ -1,6 +1,6 @@
-// First root of phi along a ray within one cell; twin of cubic.rs, same names and order of operations.
+// First root of phi along a ray within one cell; twin of cubic.rs, with the same names and order of operations.
 
-// What `first_root` gives where there is none.
+// Value of `first_root` if there is no root.
 const NO_ROOT: f32 = -1.0;
 
 // Power coefficients in u = 3 s, lowest first, from forward differences.
@@ -15,16 +15,16 @@ fn cubic_at(k: vec4f, u: f32) -> f32 {
     return k.x + u * (k.y + u * (k.z + u * k.w));
 }
 
-// A place within (0, 3), or NO_ROOT.
+// Position if it lies within (0, 3), otherwise NO_ROOT.
 fn within_cell(u: f32) -> f32 {
     return select(NO_ROOT, u, u > 0.0 && u < 3.0);
 }
 
-// Places of the extrema within (0, 3) in order; NO_ROOT for one that is not.
+// Positions of the extrema within (0, 3), in order; NO_ROOT for an extremum outside.
 fn extrema(k: vec4f) -> vec2f {
     let root = sqrt(max(k.z * k.z - 3.0 * k.w * k.y, 0.0));
     let q = -(k.z + select(-root, root, k.z >= 0.0));
-    // A place beyond the cell stands for the infinity that a division by zero would give.
+    // A position beyond the cell replaces the infinity that a division by zero would give.
     var u = 4.0;
     if k.w != 0.0 {
         u = q / (3.0 * k.w);
@@ -40,8 +40,8 @@ fn slope_at(k: vec4f, u: f32) -> f32 {
     return k.y + u * (2.0 * k.z + u * (3.0 * k.w));
 }
 
-// Root between a place above zero and one at or below it: Newton's steps from the chord's root, halving where one would
-// leave the bracket.
+// Root between a position above zero and one at or below zero: Newton steps from the secant's root, and bisection if a
+// step leaves the bracket.
 fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
     var above = low;
     var below = high;
@@ -56,7 +56,7 @@ fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
         }
         var next = 0.5 * (above + below);
         let slope = slope_at(k, u);
-        // A slope of zero has no Newton step.
+        // At zero slope the Newton step is undefined.
         if slope != 0.0 {
             let newton = u - value / slope;
             next = select(next, newton, newton >= above && newton <= below);
@@ -70,7 +70,7 @@ fn root_between(k: vec4f, low: f32, high: f32) -> f32 {
     return u;
 }
 
-// First place (0 to 1) at which a cubic is zero or below, or NO_ROOT; `values` at 0, 1/3, 2/3 and 1.
+// First position (0 to 1) at which a cubic is zero or negative, or NO_ROOT; `values`: the cubic at 0, 1/3, 2/3 and 1.
 fn first_root(values: vec4f) -> f32 {
     if values.x <= 0.0 {
         return 0.0;

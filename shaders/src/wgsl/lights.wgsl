@@ -1,5 +1,4 @@
-// Light from all around and what a point is made of; twin of lights.rs and material.rs. The kernel that includes this
-// declares `stage`.
+// Ambient light and surface materials; twin of lights.rs and material.rs. The including kernel declares `stage`.
 
 const WELD_BORDER: vec2f = vec2f(0.35, 0.65);
 
@@ -9,7 +8,7 @@ fn smooth_step(low: f32, high: f32, x: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-// Radiance from around a direction whose sine above the horizon is given.
+// Ambient radiance from a direction, given by its sine above the horizon.
 fn radiance(height: f32, roughness: f32) -> vec3f {
     let blur = 0.12 + 0.88 * roughness;
     let above = smooth_step(-blur, blur, height);
@@ -18,7 +17,7 @@ fn radiance(height: f32, roughness: f32) -> vec3f {
     return stage.floor.xyz + (stage.sky.xyz - stage.floor.xyz) * above + stage.horizon.xyz * band;
 }
 
-// A material from its colour with roughness and its metallic response.
+// Material from its colour, with the roughness in w, and its metallic response.
 fn material_of(colour: vec4f, metallic: f32) -> Material {
     return Material(colour.xyz, colour.w, metallic);
 }
@@ -28,7 +27,8 @@ struct Blend {
     ground: f32,
 }
 
-// Coated and exposed appearance mixed by min(D, 1); what is exposed is ground, base or weld metal.
+// Mixes coated and exposed appearance by min(D, 1). Exposed metal is ground where metal or coating was removed,
+// otherwise base or weld metal.
 fn blend(weld_share: f32, dose: f32, removed: f32) -> Blend {
     let weld = smooth_step(WELD_BORDER.x, WELD_BORDER.y, weld_share);
     let metal = material_of(stage.metal, stage.metallic.x);

@@ -1,5 +1,5 @@
-// Marks that an abrasive leaves along its path; twin of marks.rs, same names and order of operations. The kernel that
-// includes this declares `stage` and `rows`, in which the path follows the lamps.
+// Grinding marks along an abrasive's path; twin of marks.rs, with the same names and order of operations. The including
+// kernel declares `stage` and `rows`, in which the path follows the lamps.
 
 
 struct Groove {
@@ -8,14 +8,14 @@ struct Groove {
     share: f32,
 }
 
-// A unit vector across another one (Duff et al. 2017).
+// Unit vector perpendicular to a unit vector (Duff et al. 2017).
 fn any_tangent(normal: vec3f) -> vec3f {
     let sign = select(-1.0, 1.0, normal.z >= 0.0);
     let a = -1.0 / (sign + normal.z);
     return vec3f(1.0 + sign * normal.x * normal.x * a, sign * normal.x * normal.y * a, -sign * normal.x);
 }
 
-// A number from 0 to 1 for a lattice point: the first of PCG2D (Jarzynski & Olano 2020).
+// Pseudorandom number from 0 to 1 for a lattice point: the first component of PCG2D (Jarzynski & Olano 2020).
 fn lattice_value(u: i32, v: i32) -> f32 {
     var x = bitcast<u32>(u) * 1664525u + 1013904223u;
     var y = bitcast<u32>(v) * 1664525u + 1013904223u;
@@ -31,7 +31,7 @@ fn noise_row(u: i32, v: i32) -> f32 {
     return lattice_value(u + 1, v) - lattice_value(u, v);
 }
 
-// Derivative along u of value noise on the lattice of whole (u, v).
+// Derivative along u of value noise on the integer lattice (u, v).
 fn noise_slope(u: f32, v: f32) -> f32 {
     let low_u = floor(u);
     let low_v = floor(v);
@@ -43,7 +43,7 @@ fn noise_slope(u: f32, v: f32) -> f32 {
     return (here + (next - here) * smoothed) * (6.0 * fu * (1.0 - fu));
 }
 
-// Direction of the marks at a point [m] of a surface, and the tilt of the normal across them.
+// Direction of the marks at a point [m] of a surface, and tilt of the normal across them.
 fn marks_at(point: vec3f, normal: vec3f, footprint: f32) -> Groove {
     var along = vec3f(0.0);
     var centre = vec3f(0.0);

@@ -1,4 +1,4 @@
-// How a material throws light back; twin of microfacet.rs, same names and order of operations.
+// Reflection of light by a material; twin of microfacet.rs, with the same names and order of operations.
 
 const PI: f32 = 3.14159265;
 
@@ -27,7 +27,7 @@ fn mixed(a: Material, b: Material, share: f32) -> Material {
     );
 }
 
-// A vector at length 1; `otherwise` where it has none.
+// Normalises a vector; gives `otherwise` if its length is zero.
 fn unit_or(v: vec3f, otherwise: vec3f) -> vec3f {
     let size = length(v);
     if size > 0.0 {
@@ -45,7 +45,7 @@ fn facets_of(material: Material, normal: vec3f, along: vec3f, anisotropy: f32) -
     return Facets(normal, along, cross(normal, along), diffuse, mirror, widths, material.roughness, anisotropy);
 }
 
-// Reflectance at an angle whose cosine is given (Schlick 1994).
+// Fresnel reflectance at an angle given by its cosine (Schlick 1994).
 fn schlick(straight: vec3f, cosine: f32) -> vec3f {
     return straight + (vec3f(1.0) - straight) * fifth_power(1.0 - clamp(cosine, 0.0, 1.0));
 }
@@ -55,14 +55,14 @@ fn fifth_power(x: f32) -> f32 {
     return square * square * x;
 }
 
-// Height-correlated masking and shadowing over 4 (n v) (n l) (Heitz 2014).
+// Height-correlated masking and shadowing divided by 4 (n v) (n l) (Heitz 2014).
 fn visibility(facets: Facets, viewer: vec3f, light: vec3f, to_viewer: f32, to_light: f32) -> f32 {
     let v = length(vec3f(facets.widths * vec2f(dot(facets.along, viewer), dot(facets.across, viewer)), to_viewer));
     let l = length(vec3f(facets.widths * vec2f(dot(facets.along, light), dot(facets.across, light)), to_light));
     return 0.5 / max(to_light * v + to_viewer * l, 1e-6);
 }
 
-// Light sent to the viewer from a light of irradiance 1 straight on.
+// Light reflected to the viewer from a light of irradiance 1 at normal incidence.
 fn reflected(facets: Facets, viewer: vec3f, light: vec3f, spread: f32) -> vec3f {
     let to_light = dot(facets.normal, light);
     let to_viewer = max(dot(facets.normal, viewer), 1e-4);
@@ -81,7 +81,7 @@ fn reflected(facets: Facets, viewer: vec3f, light: vec3f, spread: f32) -> vec3f 
     return (facets.diffuse * (vec3f(1.0) - mirrored) / PI + specular) * to_light;
 }
 
-// Direction from which an environment is mirrored to the viewer (Revie 2012).
+// Direction from which an environment is reflected to the viewer (Revie 2012).
 fn mirrored(facets: Facets, viewer: vec3f) -> vec3f {
     let in_section = unit_or(viewer - facets.along * dot(facets.along, viewer), facets.normal);
     let bend = 0.5 * facets.anisotropy * min(5.0 * facets.roughness, 1.0);
@@ -89,7 +89,7 @@ fn mirrored(facets: Facets, viewer: vec3f) -> vec3f {
     return bent * (2.0 * dot(bent, viewer)) - viewer;
 }
 
-// Share of an environment that is the same all around that is mirrored to the viewer (Lagarde 2011).
+// Share of a uniform environment that is reflected to the viewer (Lagarde 2011).
 fn environment_share(facets: Facets, viewer: vec3f) -> vec3f {
     let grazing = max(vec3f(1.0 - facets.roughness), facets.mirror);
     return facets.mirror + (grazing - facets.mirror) * fifth_power(1.0 - clamp(dot(facets.normal, viewer), 0.0, 1.0));

@@ -1,4 +1,4 @@
-// Formulas of no model, in place of those that are written out when a model is loaded: no pressure, nothing removed.
+// Placeholder for the formulas that are written out when a model is loaded: no pressure, no removal.
 
 const V_TIME: u32 = 0u;
 const V_CONTACT_TIME: u32 = 1u;

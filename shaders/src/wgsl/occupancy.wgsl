@@ -1,11 +1,11 @@
-// Blocks of each brick with a voxel in the metal: one workgroup for each index entry, one invocation for each block of
-// 2^3 cells; host file: render.rs. Twin of occupancy.rs. It runs on the device so that a field that a simulation changes
-// there is drawn without being read back.
+// Blocks of each brick that contain a voxel inside the metal: one workgroup per index entry, one invocation per block
+// of 2^3 cells; host file: render.rs. Twin of occupancy.rs. Runs on the device, so that a field changed there by a
+// simulation is drawn without read-back.
 
 @group(0) @binding(0) var<uniform> grid: GridHeader;
 @group(0) @binding(1) var<storage, read> grid_index: array<u32>;
 @group(0) @binding(2) var<storage, read> grid_phi: array<f32>;
-// One entry for each slot.
+// One entry per slot.
 @group(0) @binding(3) var<storage, read_write> blocks: array<vec2u>;
 
 var<workgroup> words: array<atomic<u32>, 2>;

@@ -1,25 +1,26 @@
-// A picture of a scene: one invocation for each pixel, tiles of 8 x 8; host file: render.rs. Twin of scene.rs.
+// Rendering of a scene: one invocation per pixel, tiles of 8 x 8; host file: render.rs. Twin of scene.rs.
 
 @group(0) @binding(0) var<uniform> grid: GridHeader;
 @group(0) @binding(1) var<uniform> stage: RenderStage;
 @group(0) @binding(2) var<storage, read> grid_index: array<u32>;
 @group(0) @binding(3) var<storage, read> grid_phi: array<f32>;
-// Blocks of each brick with a voxel in the metal.
+// Blocks of each brick that contain a voxel inside the metal.
 @group(0) @binding(4) var<storage, read> blocks: array<vec2u>;
-// Two weld ids a word.
+// Two weld ids per word.
 @group(0) @binding(5) var<storage, read> grid_label: array<u32>;
 @group(0) @binding(6) var<storage, read> grid_dose: array<f32>;
 @group(0) @binding(7) var<storage, read> grid_removed: array<f32>;
-// Two rows for each lamp (direction and spread, irradiance), then two for each point of the marks (place and arc, motion).
+// Two rows per lamp (direction and spread; irradiance), then two per point of the marks' path (position and arc length;
+// direction of motion).
 @group(0) @binding(8) var<storage, read> rows: array<vec4f>;
-// Four rows for each pixel: colour and depth, normal and dose, position and removed depth, weld id and what is seen.
+// Four rows per pixel: colour and depth; normal and dose; position and removed depth; weld id and visible object.
 @group(0) @binding(9) var<storage, read_write> pixels: array<vec4f>;
 
 struct Sample {
     direction: vec3f,
     // SEEN_BACKGROUND, SEEN_PART or SEEN_TABLE.
     seen: u32,
-    // In voxels from the lowest voxel of the index.
+    // Relative to the lowest voxel of the index [voxels].
     point: vec3f,
     normal: vec3f,
     depth: f32,
@@ -29,7 +30,7 @@ struct Sample {
     weld_share: f32,
 }
 
-// Distance along a ray to the table's top [voxels].
+// Distance along a ray to the table's top [voxels]; FAR without an intersection.
 fn table_distance(ray: Ray) -> f32 {
     let height = dot(ray.origin, stage.up.xyz) - stage.table;
     let fall = -dot(ray.direction, stage.up.xyz);
@@ -67,12 +68,12 @@ fn sample_at(pixel: vec2f) -> Sample {
     return result;
 }
 
-// In the part's frame [m].
+// Position of a point in the part's frame [m].
 fn position_of(point: vec3f) -> vec3f {
     return (point + vec3f(lowest())) * grid.voxel;
 }
 
-// The normal, turned just enough to face the camera.
+// Normal, rotated just enough to face the camera.
 fn facing(normal: vec3f, view: vec3f) -> vec3f {
     let away = dot(normal, view);
     if away > 0.0 {
@@ -96,7 +97,7 @@ fn facets_at(found: Sample) -> Facets {
     return facets_of(finish.material, facing(tilted, found.direction), groove.along, anisotropy);
 }
 
-// Light that comes along a ray, linear RGB.
+// Light that reaches the camera along a ray, linear RGB.
 fn light_of(found: Sample) -> vec3f {
     if found.seen == SEEN_BACKGROUND {
         return radiance(dot(found.direction, stage.up.xyz), 0.0);
@@ -117,7 +118,7 @@ fn light_of(found: Sample) -> vec3f {
     return light;
 }
 
-// Mean light of a pixel whose centre shows `centre`.
+// Mean light of a pixel; `centre`: the sample at its centre.
 fn mean_light(pixel: vec2f, centre: Sample) -> vec3f {
     let side = stage.samples_per_side;
     if side <= 1u {

@@ -1,4 +1,4 @@
-// What every trial does next, decided by one invocation; host file: simulate.rs.
+// Choice of each trial's next phase, by one invocation per trial; host file: simulate.rs.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn simulate_control(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {

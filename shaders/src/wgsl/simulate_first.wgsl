@@ -1,4 +1,4 @@
-// The first share of every trial's phase, a workgroup for each trial; host file: simulate.rs.
+// First part of each trial's phase, one workgroup per trial; host file: simulate.rs.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn simulate_first(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {

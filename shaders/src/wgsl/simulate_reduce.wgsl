@@ -1,4 +1,4 @@
-// Sums and greatest values over the invocations of every trial, in their order; host file: simulate.rs.
+// Sums and maxima over the invocations of each trial, in their order; host file: simulate.rs.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn simulate_reduce(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {

@@ -1,4 +1,4 @@
-// The second share of every trial's phase; host file: simulate.rs.
+// Second part of each trial's phase; host file: simulate.rs.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn simulate_second(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane_index: u32) {

@@ -1,5 +1,5 @@
-// What the channels of a grid tell of a point of its surface; twin of surface.rs, field.rs and parts of shade.rs. Points
-// in voxels from the lowest voxel of the index. The kernel that includes this declares the channels and `stage`.
+// Channels of a grid at points of its surface; twin of surface.rs, field.rs and parts of shade.rs. Points are in voxels
+// from the lowest voxel of the index. The including kernel declares the channels and `stage`.
 
 
 // Phi at a point [m].
@@ -8,7 +8,7 @@ fn phi_near(point: vec3f) -> f32 {
     return trilinear(cell_phi(vec3i(corner) + lowest()), point - corner);
 }
 
-// Outward unit normal from differences two voxels wide; `otherwise` where phi is flat.
+// Outward unit normal from differences over two voxels; `otherwise` where phi is constant.
 fn normal_at(point: vec3f, otherwise: vec3f) -> vec3f {
     let x = vec3f(1.0, 0.0, 0.0);
     let along = vec3f(
@@ -23,13 +23,13 @@ fn normal_at(point: vec3f, otherwise: vec3f) -> vec3f {
     return otherwise;
 }
 
-// Position of a voxel in the pool, or the largest number where no brick is.
+// Position of a voxel in the pool; OUTSIDE if it has no brick.
 fn place_of(voxel: vec3i) -> u32 {
     let brick = slot(voxel >> vec3u(BRICK_SHIFT));
     return select(OUTSIDE, brick * BRICK_VOXELS + voxel_offset(voxel), brick < grid.bricks);
 }
 
-// Coating dose D and removed depth [m] at a point, trilinear; 0 where no brick is.
+// Coating dose D and removed depth [m] at a point, interpolated trilinearly; 0 outside the bricks.
 fn scalars_at(point: vec3f) -> vec2f {
     let corner = floor(point);
     var doses: array<f32, 8>;
@@ -47,7 +47,7 @@ fn scalars_at(point: vec3f) -> vec2f {
     return vec2f(trilinear(doses, at), trilinear(depths, at));
 }
 
-// Weld id at a voxel; 0 for base metal.
+// Weld id of a voxel; 0 for base metal.
 fn label_at(voxel: vec3i) -> u32 {
     let place = place_of(voxel);
     if place == OUTSIDE {
@@ -56,7 +56,7 @@ fn label_at(voxel: vec3i) -> u32 {
     return (grid_label[place >> 1u] >> (16u * (place & 1u))) & 0xffffu;
 }
 
-// Weld id with the most weight among the metal voxels around a point, and the share of all welds.
+// Weld id of greatest weight among the metal voxels around a point, and the share of all welds.
 fn weld_at(point: vec3f) -> vec2f {
     if stage.has_label == 0u {
         return vec2f(0.0);
@@ -109,7 +109,7 @@ fn ambient_occlusion(point: vec3f, normal: vec3f) -> f32 {
     return max(1.0 - 1.5 * (missing / 3.0), 0.15);
 }
 
-// Share of a light in a unit direction that reaches a surface.
+// Share of the light from a unit direction that reaches a surface.
 fn light_share(point: vec3f, normal: vec3f, towards: vec3f, spread: f32) -> f32 {
     if dot(normal, towards) <= 0.0 {
         return 0.0;

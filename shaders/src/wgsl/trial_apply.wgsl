@@ -1,12 +1,12 @@
-// What a step did to the cells, and its sums; twin of scheme/contact_integrals.rs and of Scheme::apply.
+// Results of a step at the cells, and their sums; twin of scheme/contact_integrals.rs and of Scheme::apply.
 
-// Height of the parabola's peak above the column, if it is in the cell.
+// Height of the parabola's vertex above the column if it lies in the cell, otherwise 0.
 fn peak_rise(d: Difference) -> f32 {
     let inside = d.bend < 0.0 && abs(d.mean) <= -0.5 * d.bend * (1.0 + 1e-6);
     return select(0.0, -0.5 * d.mean * d.mean / d.bend, inside);
 }
 
-// Depth at the peak of the parabolas through a column and its neighbours.
+// Depth at the vertex of the parabolas through a column and its neighbours.
 fn top(line: u32, depths: u32) -> f32 {
     let depth = column_value(depths, line);
     let along = difference(column_value(depths, line - across()), depth, column_value(depths, line + across()));
@@ -14,13 +14,13 @@ fn top(line: u32, depths: u32) -> f32 {
     return depth + peak_rise(along) + peak_rise(sideways);
 }
 
-// Mean share of a cell in contact.
+// Share of a cell in contact, averaged over the step.
 fn mean_share(line: u32) -> f32 {
     let end = end_cell(line).share;
     return select(0.5 * (start_cell(line).share + end), end, state.whole_step == 1u);
 }
 
-// Dose that a cell takes up in the step, and for a step that is its middle, nothing else.
+// Dose gained by a cell in the step: from the mean rate of both ends, or from the rate at the middle of a whole step.
 fn dose_gain(line: u32, start: Cell, end: Cell, middle: Pose) -> f32 {
     if setup.sands == 0u {
         return 0.0;
@@ -34,7 +34,7 @@ fn dose_gain(line: u32, start: Cell, end: Cell, middle: Pose) -> f32 {
     return 0.5 * dt * (sanded(lane, wet_depth(start), column_value(PRESSURE_START, line)) * start.share + at_end);
 }
 
-// Completes a cell and adds it to the sums of the step.
+// Completes a cell's results and adds them to the sums of the step.
 fn complete(line: u32, middle: Pose) {
     let start = start_cell(line);
     let end = end_cell(line);
@@ -64,7 +64,7 @@ fn complete(line: u32, middle: Pose) {
     }
 }
 
-// The pressure belongs to the cell's mean depth; its middle may be deeper.
+// Updates the maximum pressure: `pressure` belongs to the cell's mean depth, and the vertex may be deeper.
 fn add_pressure(line: u32, cell: Cell, depths: u32, pressure: f32) {
     if cell.share > 0.0 {
         let peak = max(top(line, depths) / wet_depth(cell), 1.0);
@@ -84,7 +84,7 @@ fn complete_maxima(line: u32, middle: Pose, ratio: f32, recession: f32) {
     }
 }
 
-// Sums over the cells under one tool cell, as means over its contact; twin of CellSums.
+// Sums over the cells under one tool cell, intensive quantities as means over its contact; twin of CellSums.
 fn sum_cell(cell: u32, middle: Pose) {
     let voxel = setup.voxel;
     let dt = state.dt;
@@ -118,7 +118,7 @@ fn sum_cell(cell: u32, middle: Pose) {
     }
 }
 
-// Applies the step to a cell; the next one may go on from its end.
+// Applies the step to a cell, and updates its end for a next step that starts from it.
 fn apply(line: u32) {
     let start = start_cell(line);
     let end = end_cell(line);
@@ -132,7 +132,7 @@ fn apply(line: u32) {
     if setup.grinds == 1u {
         let side = end_array(END_DEPTH);
         let left = end.mean - recession;
-        // The height of a cell that the tool's border crosses is the mean of groove and side face.
+        // The height of a cell that the tool's border crosses is a mean of groove and side face.
         let cover = select(1.0, end.cover, end.share > 0.0);
         set_column(side, line, column_value(side, line) - recession / cover);
         set_column(end_array(END_MEAN), line, max(left, 0.0));

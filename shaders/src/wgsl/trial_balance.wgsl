@@ -1,16 +1,16 @@
-// The travel at which the force is the one that the controller wants, one evaluation at a time; twin of control.rs.
-// Travels are those beyond `guess_base`, a multiple of 1/16 voxel, so that f32 resolves them near the balance.
+// Search for the travel at which the force meets the controller's law, one evaluation at a time; twin of control.rs.
+// Travels are relative to `guess_base`, a multiple of 1/16 voxel, so that f32 resolves them near the balance.
 
-// Relative difference between force and setpoint that is good enough; the sums are good to 1e-6.
+// Tolerance of the force, relative to the setpoint; the sums are accurate to 1e-6.
 const FORCE_TOLERANCE: f32 = 2e-5;
-// Travels that are not told apart [voxels].
+// Width of the bracket below which the search ends [voxels].
 const RESOLUTION: f32 = 3e-8;
-// Stands for no bound.
+// Marks a missing bound.
 const FAR: f32 = 1e30;
-// Parts of a voxel by which travels are split.
+// Number of parts per voxel: coarse travels are multiples of 1/SPLIT voxel.
 const SPLIT: f32 = 16.0;
 
-// Force that the controller believes [N].
+// Force reading of the controller [N] for a true `force`.
 fn force_reading(force: f32) -> f32 {
     if !HAS_FORCE {
         return force;
@@ -21,12 +21,12 @@ fn force_reading(force: f32) -> f32 {
     return reading;
 }
 
-// The travel where the step starts, beyond the base of the search.
+// Travel at the start of the step, relative to `guess_base`.
 fn from_travel() -> f32 {
     return (state.coarse - state.guess_base) + state.fine;
 }
 
-// Starts a search for the balance with so much damping and mass.
+// Starts a search for the balance with the given damping and mass.
 fn start_balance(damping: f32, mass: f32) {
     state.damping = damping;
     state.mass = mass;
@@ -36,7 +36,7 @@ fn start_balance(damping: f32, mass: f32) {
     state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
     state.evaluations = 0u;
     state.end_weight = 1.0;
-    // A contact that has just begun tells nothing of how the force comes to rest.
+    // A contact that has just begun has no stiffness, so the decay of the force is unknown.
     if setup.grinds == 1u && damping > 0.0 && state.end_stiffness > 0.0 {
         let weights = decay_weights(state.dt * state.end_stiffness / (damping + mass / state.dt));
         state.end_weight = weights.y / weights.x;
@@ -49,7 +49,7 @@ fn start_balance(damping: f32, mass: f32) {
     rebase();
 }
 
-// Moves whole sixteenths of a voxel from the travel to its base.
+// Moves whole sixteenths of a voxel from `guess` to `guess_base`.
 fn rebase() {
     let shift = round(state.guess * SPLIT) / SPLIT;
     state.guess_base += shift;
@@ -62,7 +62,7 @@ fn rebase() {
     }
 }
 
-// Force in excess of what the controller lets stand [N].
+// Force in excess of the controller's law [N].
 fn excess_force(force: f32) -> f32 {
     let dt = state.dt;
     let over = force - setup.force_setpoint;
@@ -74,7 +74,7 @@ fn excess_force(force: f32) -> f32 {
     return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
-// The next travel by Newton's step, or down to the surface and a little into it; FAR where there is no surface.
+// Next travel: a Newton step, or without stiffness down to the surface and slightly into it; FAR without a surface.
 fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let dt = state.dt;
     let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
@@ -92,8 +92,8 @@ fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     return guess + min(depth, 0.0) * (1.0 + 1e-6) - state.nudge;
 }
 
-// Takes up the force [N], its stiffness [N/voxel] and the depth under the tool [voxels] at the guess. Gives SEARCHING,
-// FOUND or NOTHING.
+// Updates the search with the force [N], its stiffness [N/voxel] and the depth under the tool [voxels] at `guess`.
+// Returns SEARCHING, FOUND or NOTHING.
 fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     let excess = excess_force(force_reading(force));
     if abs(excess) <= FORCE_TOLERANCE * setup.force_setpoint {
@@ -114,7 +114,7 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     var guess = select(0.5 * (low + high), step, between);
     let least = -setup.search_reach - state.guess_base;
     if is_bad(guess) || guess < least {
-        // The first touch of a wide tool is so soft that Newton's step leads far below the balance.
+        // The first touch of a wide tool is so soft that Newton's step overshoots far below the balance.
         if is_bad(guess) || high <= least {
             return NOTHING;
         }
@@ -133,7 +133,7 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     return SEARCHING;
 }
 
-// One sample of an admittance controller (semi-implicit Euler).
+// Advances an admittance controller by one sample (semi-implicit Euler).
 fn sample_admittance() {
     let dt = state.dt;
     let mass = setup.mass;

@@ -1,7 +1,7 @@
-// Bricks of the trial's own before it writes: copies of those that it shares, and new ones ahead of the surface that
-// recedes. The voxels under a tile of 8 x 8 lines are one column of bricks.
+// Own bricks of a trial, allocated before it writes: copies of shared bricks, and new ones ahead of the receding
+// surface. The voxels of a tile of 8 x 8 columns form one stack of bricks.
 
-// First tile across the columns, and number of tiles.
+// Lowest tile of the window; `tile_counts` is the number of its tiles.
 fn tile_low() -> vec2i {
     return state.window_low.xy >> vec2u(BRICK_SHIFT);
 }
@@ -11,14 +11,14 @@ fn tile_counts() -> vec2u {
     return vec2u((last >> vec2u(BRICK_SHIFT)) - tile_low() + 1);
 }
 
-// Brick of a tile at height k.
+// Brick of a tile at height `k` [voxels].
 fn tile_brick(tile: u32, k: i32) -> vec3i {
     let counts = tile_counts();
     let at = tile_low() + vec2i(vec2u(tile / counts.y, tile % counts.y));
     return voxel_at(at.x << BRICK_SHIFT, at.y << BRICK_SHIFT, k) >> vec3u(BRICK_SHIFT);
 }
 
-// Lowest and highest voxel that a line writes, and the one that must have a brick; nothing where low > high.
+// Lowest and highest voxel that a column writes, and the one that must have a brick; nothing is written if low > high.
 fn written(line: u32) -> vec3i {
     let below = voxel_below(line, column_value(SUNK, line));
     if is_changed(line) {
@@ -32,8 +32,8 @@ fn written(line: u32) -> vec3i {
     return vec3i(1, 0, 0);
 }
 
-// Goes through the bricks that the lines of a tile write, and makes them the trial's own as far as there is room; with
-// `looks` only says whether there is one.
+// Replaces the bricks that a tile's columns write by own bricks, as far as spare bricks are left. With `looks`, changes
+// nothing and returns true if any brick has to be replaced.
 fn own_bricks(tile: u32, looks: bool) -> bool {
     let counts = tile_counts();
     let corner = (tile_low() + vec2i(vec2u(tile / counts.y, tile % counts.y))) * i32(BRICK_SIDE);
@@ -53,8 +53,8 @@ fn own_bricks(tile: u32, looks: bool) -> bool {
     return false;
 }
 
-// Gives the trial a brick of its own in place of one that it shares, or of the inside one in which the third of `span`
-// lies; says whether it is one of those.
+// Replaces a shared brick, or an inside brick that contains the third voxel of `span`, by an own brick. Returns true if
+// the brick is one of these; with `looks`, changes nothing.
 fn own_brick(brick: vec3i, span: vec3i, looks: bool) -> bool {
     let entry = index_entry(brick);
     if entry == OUTSIDE || span.x > span.y {
@@ -76,7 +76,7 @@ fn own_brick(brick: vec3i, span: vec3i, looks: bool) -> bool {
     return true;
 }
 
-// Makes the bricks of all tiles in question the trial's own, by one invocation.
+// Replaces the bricks of all marked tiles by own bricks; run by one invocation.
 fn own_all_bricks() {
     let counts = tile_counts();
     state.needed = state.own_bricks;
@@ -90,7 +90,7 @@ fn own_all_bricks() {
     states[trial].own_bricks = state.own_bricks;
 }
 
-// Fills value `n` of the bricks that are new: from their source, or with the inside.
+// Fills value `n` of the new bricks: a copy of the source brick, or the values of the inside.
 fn fill_own(n: u32) {
     let values_of_brick = run.planes * BRICK_VOXELS;
     let number = state.filled_bricks + n / values_of_brick;

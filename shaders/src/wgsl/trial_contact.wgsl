@@ -1,6 +1,6 @@
-// The contact patch in the cells around the columns; twin of contact.rs. All lengths in voxels.
+// Contact patch in the cells around the columns; twin of contact.rs. All lengths in voxels.
 
-// Depth, share and area of a cell, and the share of it under the working surface, wet or dry.
+// Mean depth, share in contact and area of a cell, and its cover: its share under the working surface.
 struct Cell {
     mean: f32,
     share: f32,
@@ -23,12 +23,12 @@ fn difference(before: f32, here: f32, after: f32) -> Difference {
     return Difference(select(select(0.0, after - here, near_after), here - before, near_before), 0.0);
 }
 
-// Depth of a point of the tool's frame, from the lowest point, below the working surface.
+// Depth below the working surface of a point in the tool's frame, relative to the tool's lowest point.
 fn tool_depth(at: vec3f) -> f32 {
     if setup.tool == TOOL_PAD {
         return at.z;
     }
-    // R - sqrt(flat² + (z - R)²) without the difference of two large numbers.
+    // R - sqrt(flat² + (z - R)²) without a difference of two large numbers.
     let radius = setup.tool_radius;
     let flat = at.x * at.x + select(0.0, at.y * at.y, setup.tool == TOOL_SPHERE);
     let arm = at.z - radius;
@@ -36,18 +36,18 @@ fn tool_depth(at: vec3f) -> f32 {
     return round - 0.5 * setup.tool_crown * at.y * at.y;
 }
 
-// How much of a cell lies under the working surface in a sweep, and the mean time at which it does [sweeps from its middle].
+// Share of a cell under the working surface in a sweep, and its mean time [sweeps from the sweep's middle].
 struct Cover {
     share: f32,
     lag: f32,
 }
 
-// Spans of a cell with a sweep on either side of its middle.
+// Spans of a cell swept by `swept` on either side of its middle.
 fn swept_spans(spans: vec2f, swept: f32) -> vec2f {
     return select(vec2f(length(spans), swept), spans, swept == 0.0);
 }
 
-// Cover of a cell within a border at a distance from its middle, which is crossed `inward`.
+// Cover of a cell whose middle lies `within` inside a border with the normal `inward`.
 fn cover_within(line: u32, within: f32, inward: vec3f, sweep: vec3f) -> Cover {
     let slope = slope_of(line);
     let swept = 0.5 * dot(sweep, inward);
@@ -77,12 +77,12 @@ fn cover(line: u32, at: vec3f, pose: Pose, sweep: vec3f) -> Cover {
     return cover_within(line, within, inward, sweep);
 }
 
-// By how much a pad sinks in over the sweep, the same everywhere.
+// Distance by which a pad sinks in over the sweep, the same everywhere; 0 for other tools.
 fn sinking(pose: Pose, sweep: vec3f) -> f32 {
     return select(0.0, -dot(pose.z, sweep), setup.tool == TOOL_PAD);
 }
 
-// Mean along the rim of what the depth's curvature adds to the linear depth across a cell.
+// Mean along the rim of the contribution of the depth's curvature to the depth.
 fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     let steepness = along.mean * along.mean + sideways.mean * sideways.mean;
     if steepness == 0.0 {
@@ -97,8 +97,8 @@ fn bend_at_rim(depth: f32, along: Difference, sideways: Difference) -> f32 {
     return 0.5 * (along.bend * (a * off + b * spread) + sideways.bend * (b * off + a * spread));
 }
 
-// Mean depth, share and area of a cell that the patch's rim crosses, over a sweep in which the tool sinks in by `sunk` on
-// either side of its middle.
+// Mean depth, share and area of a cell that the patch's rim crosses, over a sweep in which the tool sinks in by `sunk`
+// on either side of the sweep's middle.
 fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Difference) -> Cell {
     let spans = swept_spans(own, sunk);
     let share = wet_share(depth, spans);
@@ -113,7 +113,7 @@ fn partly_wet(depth: f32, own: vec2f, sunk: f32, along: Difference, sideways: Di
     return Cell(ramp_mean(depth, spans) + bent, share, area, 1.0);
 }
 
-// A cell whose depths at the column and around it are in `depths`.
+// Cell of a column, from the depths at the column and its neighbours in the array `depths`.
 fn cell_at(line: u32, depths: u32, pose: Pose, sweep: vec3f) -> Cell {
     let dry = Cell(0.0, 0.0, 0.0, 0.0);
     let middle = column_value(depths, line);

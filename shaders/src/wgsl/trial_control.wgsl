@@ -1,7 +1,7 @@
-// The order of things: what follows each parallel part; twin of step/mod.rs. One invocation of the workgroup runs it.
+// Serial work after each parallel part; twin of step/mod.rs. One invocation of the workgroup runs it.
 
 
-// Ends the trial if a formula gave no finite number; the height field is written back first.
+// Ends the trial and returns true if a formula gave no finite number; the height field is written back first.
 fn fails() -> bool {
     let place = max(reduced(SUMS + MAX_BAD), fault);
     if place <= 0.0 {
@@ -13,7 +13,7 @@ fn fails() -> bool {
     return true;
 }
 
-// Writes the height field's losses into the field and drops it; then goes on with a phase.
+// Schedules the write-back and discard of the height field, if there is one, and the phase `then` after them.
 fn write_back(then: u32) {
     state.travelled = 0.0;
     state.bent = 0.0;
@@ -31,7 +31,7 @@ fn written_back() {
     state.phase = state.then;
 }
 
-// Takes the step that was found.
+// Accepts the step that was found.
 fn settle_complete() {
     if fails() {
         return;

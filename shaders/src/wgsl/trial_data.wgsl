@@ -1,28 +1,28 @@
-// What a trial's workgroup reads and writes; host file: simulate.rs.
+// Data that a trial's workgroup reads and writes; host file: simulate.rs.
 
-// Stands for no value.
+// Marks a missing value.
 const NONE: f32 = 1e30;
 
 @group(0) @binding(0) var<uniform> run: RunHeader;
 @group(0) @binding(1) var<storage, read> setups: array<TrialSetup>;
 @group(0) @binding(2) var<storage, read_write> states: array<TrialState>;
-// Brick index of each trial, then the source of each of its own bricks.
+// Brick index of each trial, followed by the source of each of its own bricks.
 @group(0) @binding(3) var<storage, read_write> brick_index: array<u32>;
-// Bricks, `run.planes` planes of values each.
+// Bricks, each with `run.planes` planes of values.
 @group(0) @binding(4) var<storage, read_write> pool: array<f32>;
-// Arrays over the lines of each trial's height field.
+// Arrays over the columns of each trial's height field.
 @group(0) @binding(5) var<storage, read_write> columns: array<f32>;
 @group(0) @binding(6) var<storage, read> path: array<PathPiece>;
 @group(0) @binding(7) var<storage, read_write> log_rows: array<LogRecord>;
 // Variables of the step, parameters, states, results of step programs, sums over tool cells, sums over the cells.
 @group(0) @binding(8) var<storage, read_write> values: array<f32>;
 
-// The workgroup's trial.
+// Trial of the workgroup.
 var<private> trial: u32;
-// This invocation of the workgroup.
+// Index of this invocation in the workgroup.
 var<private> lane_id: u32;
 
-// Position in `columns` of a line's value.
+// Position in `columns` of a column's value in an array.
 fn column(array_id: u32, line: u32) -> u32 {
     return setup.column_first + array_id * setup.column_lines + line;
 }
@@ -35,7 +35,7 @@ fn set_column(array_id: u32, line: u32, value: f32) {
     columns[column(array_id, line)] = value;
 }
 
-// Array of the start of the step, or of its end: they swap roles when a step goes on from the one before.
+// Array of the start of the step; the arrays of start and end swap roles when a step continues from the previous one.
 fn start_array(array_id: u32) -> u32 {
     return array_id + select(0u, SIDE_ARRAYS, state.flip == 1u);
 }
@@ -52,12 +52,12 @@ fn set_value(at: u32, to: f32) {
     values[setup.value_first + at] = to;
 }
 
-// A sum or greatest value over all invocations.
+// Sum or maximum over all invocations.
 fn reduced(number: u32) -> f32 {
     return value(PARTIALS_AT + WORKGROUP_SIZE * REDUCED + number);
 }
 
-// Begins the sums and greatest values of an invocation.
+// Initialises the sums and maxima of an invocation.
 fn begin_sums() {
     for (var n = 0u; n < SUMS; n++) {
         totals[n] = 0.0;
@@ -67,7 +67,7 @@ fn begin_sums() {
     }
 }
 
-// Keeps them until they are reduced; those of a first part are taken up again by the second.
+// Stores them for the reduction; the second part of a phase continues from those of the first.
 fn keep_sums() {
     let first = PARTIALS_AT + lane_id * REDUCED;
     for (var n = 0u; n < SUMS; n++) {
@@ -88,7 +88,7 @@ fn take_up_sums() {
     }
 }
 
-// Lines of the height field's window.
+// Number of columns in the height field's window.
 fn line_count() -> u32 {
     return state.window_size[0] * state.window_size[1];
 }
@@ -97,7 +97,8 @@ fn across() -> u32 {
     return state.window_size[1];
 }
 
-// Lines of the region, and the n-th of them: the rectangle [row, column, rows, columns] that a step looks at.
+// Number of columns of a region, and its n-th column. A region is the rectangle [row, column, rows, columns] that a
+// step evaluates.
 fn region_count(region: vec4u) -> u32 {
     return region.z * region.w;
 }
@@ -110,7 +111,7 @@ fn grown(region: vec4u) -> vec4u {
     return vec4u(region.xy - 1u, region.zw + 2u);
 }
 
-// How far the first height lies above the second [voxels], without the rounding of their sum with the level.
+// Height of column `a` above `b` [voxels]; whole and fractional parts are subtracted separately against rounding.
 fn height_difference(a: u32, b: u32) -> f32 {
     return (column_value(WHOLE, a) - column_value(WHOLE, b)) + ((column_value(PART, a) - column_value(SUNK, a)) - (column_value(PART, b) - column_value(SUNK, b)));
 }
@@ -129,7 +130,7 @@ fn area_ratio(line: u32) -> f32 {
     return sqrt(1.0 + slope.x * slope.x + slope.y * slope.y);
 }
 
-// Voxel below the surface as it is now, along the columns; as it was read with `sunk` 0.
+// Voxel just below the surface of a column that has sunk by `sunk` since it was read; 0 gives the surface as read.
 fn voxel_below(line: u32, sunk: f32) -> i32 {
     return state.base + i32(column_value(WHOLE, line)) + i32(floor(column_value(PART, line) - sunk));
 }

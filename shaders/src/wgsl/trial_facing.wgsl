@@ -1,6 +1,6 @@
-// The lattice axis along which columns run, and which way is up; twin of Facing in height field.rs.
+// Lattice axis along which columns run, and its upward direction; twin of Facing in height_field.rs.
 
-// The voxel at lattice place (i, j) across the columns and k up.
+// Voxel at lattice indices (i, j) across the columns and `k` up.
 fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
     let up = k * state.up;
     switch state.axis {
@@ -10,7 +10,7 @@ fn voxel_at(i: i32, j: i32, k: i32) -> vec3i {
     }
 }
 
-// A vector of the field's frame as (u, v, up).
+// Transforms a vector of the distance field's frame into (u, v, up).
 fn to_height_field(v: vec3f) -> vec3f {
     let up = f32(state.up);
     switch state.axis {
@@ -28,7 +28,7 @@ fn whole_to_height_field(v: vec3i) -> vec3i {
     }
 }
 
-// A vector (u, v, up) in the field's frame.
+// Transforms a vector (u, v, up) into the distance field's frame.
 fn from_height_field(v: vec3f) -> vec3f {
     let up = f32(state.up) * v.z;
     switch state.axis {

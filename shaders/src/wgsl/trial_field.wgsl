@@ -1,8 +1,8 @@
-// The field of a trial: bricks of its asset, shared with other trials, and bricks of its own, which it may write.
+// Distance field of a trial: bricks of its asset, shared with other trials, and own bricks, which it may write.
 // Twin of sdf-bake's grid.rs and of lattice_line.rs.
 
 
-// Position of a brick in the index; `OUTSIDE` beyond it.
+// Position of a brick in the index; OUTSIDE if the index does not contain it.
 fn index_entry(brick: vec3i) -> u32 {
     let at = brick - setup.grid_origin.xyz;
     let dims = setup.grid_dims;
@@ -21,7 +21,7 @@ fn slot_of(brick: vec3i) -> u32 {
     return brick_index[entry];
 }
 
-// Whether a slot is one of the trial's own.
+// True if a slot holds one of the trial's own bricks.
 fn is_own(slot: u32) -> bool {
     return slot < INSIDE && slot >= setup.shared_bricks;
 }
@@ -37,7 +37,7 @@ fn voxel_offset(voxel: vec3i) -> u32 {
     return (local.x << (2 * BRICK_SHIFT)) | (local.y << BRICK_SHIFT) | local.z;
 }
 
-// Position in the pool of a voxel's value; `OUTSIDE` where no brick is.
+// Position in the pool of a voxel's value; OUTSIDE if the voxel has no brick.
 fn place_of(voxel: vec3i, plane: u32) -> u32 {
     let slot = slot_of(voxel >> vec3u(BRICK_SHIFT));
     if slot >= INSIDE {
@@ -64,8 +64,8 @@ fn stride(phi: f32) -> i32 {
     return max(i32(abs(phi)), 1);
 }
 
-// Voxel from which a line leaves the material, met first from voxel `high`: upwards out of it, or downwards to voxel
-// `least`. Gives (voxel below the surface, 1), or (0, 0) where there is none.
+// Voxel at which a lattice line leaves the material, the first found from voxel `high`: upwards if it starts inside,
+// otherwise downwards to voxel `least`. Returns (voxel below the surface, 1), or (0, 0) if there is none.
 fn surface(i: i32, j: i32, high: i32, least: i32) -> vec2i {
     var k = high;
     var phi = phi_at(voxel_at(i, j, k));
@@ -91,7 +91,7 @@ fn surface(i: i32, j: i32, high: i32, least: i32) -> vec2i {
     return vec2i(0);
 }
 
-// Way to the zero of phi from the voxel below it; twin of crossing.rs.
+// Distance from the voxel below the surface to the zero of phi; twin of crossing.rs.
 fn way_to_zero(before: f32, a: f32, b: f32, after: f32) -> f32 {
     let chord = a / (a - b);
     let limit = WITHIN_BAND * setup.band;

@@ -1,4 +1,4 @@
-// The first share of each phase, line by line: nothing in it reads what it writes.
+// First part of each phase, column by column; no invocation reads values that another writes in this part.
 
 fn first_part(phase: u32) {
     switch phase {
@@ -63,7 +63,7 @@ fn raise_lines() {
     }
 }
 
-// Finds the distances of a layer; none is written before all are found.
+// Computes the new distances of a layer; they are written in the second part, once all are known.
 fn find_renewed() {
     let layer = i32(state.layer);
     for (var n = lane_id; n < line_count(); n += WORKGROUP_SIZE) {

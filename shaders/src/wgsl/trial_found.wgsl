@@ -1,6 +1,6 @@
-// What follows an evaluation of the force; twin of step/force_balance.rs.
+// Decisions after an evaluation of the force; twin of step/force_balance.rs.
 
-// Takes up the force of the evaluation.
+// Processes the force of the evaluation.
 fn settle_evaluation() {
     if fails() {
         return;
@@ -34,7 +34,7 @@ fn settle_evaluation() {
     }
 }
 
-// Nothing to press on: looks further, or stays in the air.
+// No surface to press on: searches farther, or stays in the air.
 fn settle_nothing() {
     if state.searched == 0u && is_ideal() {
         state.searched = 1u;
@@ -45,7 +45,8 @@ fn settle_nothing() {
     }
 }
 
-// The motion is found: takes it, on a larger height field if the patch may go on, or in a shorter step.
+// Accepts the motion found, or repeats the step: on a larger height field if the patch may extend beyond the region, or
+// with a shorter step if the controller moves too fast.
 fn settle_found() {
     if (state.border > 0.0 || reduced(SUMS + MAX_BORDER) > 0.0) && grow_extent() {
         write_back(CHOOSE);
@@ -75,14 +76,15 @@ fn settle_found() {
     state.phase = COMPLETE;
 }
 
-// Whether an admittance moves too fast for the step to follow it.
+// True if an admittance controller moves too fast for the step.
 fn is_fast() -> bool {
     let inertial = abs(setup.mass * (state.found_speed - state.speed) / state.dt);
     let setpoint = setup.force_setpoint;
     return inertial > INERTIA * setpoint || abs(state.force_now - state.end_force) > FORCE_JUMP * setpoint;
 }
 
-// Grows the contact's extent by a quarter and two pitches, to the whole tool at most; says no if it was that large.
+// Grows the contact's extent by a quarter and two pitches, to the whole tool at most. Returns false if it was that
+// large already.
 fn grow_extent() -> bool {
     let most = setup.whole_extent;
     let old = state.extent;

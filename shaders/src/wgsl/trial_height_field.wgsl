@@ -1,15 +1,15 @@
-// The surface under the tool as columns along lattice lines; twin of height field.rs. Every column starts at the height field's level:
-// the CPU starts at the neighbour's height, which finds the same surface unless the part overhangs it.
+// Surface under the tool as columns along lattice lines; twin of height_field.rs. The search on every column starts at
+// the height field's level. The CPU starts at the neighbour's height, which gives the same surface except at overhangs.
 
-// Share of a pitch up to which neighbours belong to one surface, from one column to the next.
+// Height step between neighbouring columns from which on it counts as a side face [pitches].
 const WALL: f32 = 2.0;
 
-// Lattice place of a line.
+// Lattice indices of a column.
 fn line_place(line: u32) -> vec2i {
     return state.window_low.xy + vec2i(i32(line / across()), i32(line % across()));
 }
 
-// Reads the column of a line.
+// Reads a column from the distance field.
 fn read_column(line: u32) {
     let at = line_place(line);
     let base = state.base;
@@ -48,7 +48,7 @@ fn read_channel(array_id: u32, line: u32, nearest: vec3i, plane: u32) {
     }
 }
 
-// Slope from the ways up to a column from the one before and from it to the one after.
+// Slope at a column from the height steps before and after it; a side face does not count.
 fn slope_from(before: f32, after: f32) -> f32 {
     let near_before = abs(before) < WALL;
     let near_after = abs(after) < WALL;
@@ -58,7 +58,7 @@ fn slope_from(before: f32, after: f32) -> f32 {
     return select(select(0.0, after, near_after), before, near_before);
 }
 
-// Rise between two lines; where one is not in the window, a wall.
+// Height step between two columns; that of a side face if one of them is outside the window.
 fn rise(there: bool, from_line: u32, to_line: u32) -> f32 {
     if !there {
         return 2.0 * WALL;
@@ -66,7 +66,7 @@ fn rise(there: bool, from_line: u32, to_line: u32) -> f32 {
     return height_difference(to_line, from_line);
 }
 
-// Takes the slopes of a line from the heights as they are now.
+// Computes the slopes at a column from the current heights.
 fn set_slope(line: u32) {
     let rows = state.window_size[0];
     let row = line / across();
@@ -93,7 +93,7 @@ fn approach_share(line: u32, approach: vec3f) -> f32 {
     return max(approach.z - slope.x * approach.x - slope.y * approach.y, 0.0);
 }
 
-// Keeps a pose in the coordinates of the height field.
+// Stores a pose in the coordinates of the height field.
 fn keep_pose(slot: u32, pose: Pose) {
     state.wholes[slot] = vec4i(whole_to_height_field(pose.whole), 0);
     state.frames[5u * slot] = vec4f(to_height_field(pose.rest), 0.0);
@@ -103,7 +103,7 @@ fn keep_pose(slot: u32, pose: Pose) {
     state.frames[5u * slot + 4u] = vec4f(to_height_field(pose.approach), 0.0);
 }
 
-// A pose that was kept; its vectors are (u, v, up).
+// Stored pose; its vectors are (u, v, up).
 fn kept_pose(slot: u32) -> Pose {
     return Pose(
         state.wholes[slot].xyz, state.frames[5u * slot].xyz, state.frames[5u * slot + 1u].xyz,
@@ -112,7 +112,7 @@ fn kept_pose(slot: u32) -> Pose {
     );
 }
 
-// Stores a pose that is in the coordinates of the height field.
+// Stores a pose that is already in the coordinates of the height field.
 fn store_pose(slot: u32, pose: Pose) {
     state.wholes[slot] = vec4i(pose.whole, 0);
     state.frames[5u * slot] = vec4f(pose.rest, 0.0);
@@ -122,7 +122,7 @@ fn store_pose(slot: u32, pose: Pose) {
     state.frames[5u * slot + 4u] = vec4f(pose.approach, 0.0);
 }
 
-// A line's point on the surface in the tool's frame, from the tool's lowest point [voxels].
+// Surface point of a column in the tool's frame, relative to the tool's lowest point [voxels].
 fn local_point(line: u32, pose: Pose) -> vec3f {
     let at = line_place(line) - pose.whole.xy;
     let flat = vec2f(at) - pose.rest.xy;

@@ -1,4 +1,4 @@
-// What the formulas may read of a cell in contact; twin of physics.rs. SI units.
+// Variables of a cell in contact that formulas may read; twin of physics.rs. SI units.
 
 // Values of a cell, one for each variable of the cells.
 struct Lane {
@@ -20,7 +20,7 @@ struct Lane {
     tool_cell: f32,
 }
 
-// Speed of the working surface over the workpiece at a point of the tool's frame, from the lowest point [m/s].
+// Slip speed of the working surface at a point in the tool's frame, relative to the tool's lowest point [m/s].
 fn slip_speed(at: vec3f) -> f32 {
     let spin = value(V_SPINDLE_SPEED) * setup.voxel;
     let feed = value(V_FEED_SPEED) * vec3f(value(V_FEED_ALONG), value(V_FEED_ACROSS), 0.0);
@@ -30,7 +30,7 @@ fn slip_speed(at: vec3f) -> f32 {
     return length(spin * vec3f(-at.y, at.x, 0.0) + feed);
 }
 
-// Second derivatives of the depth at a column, summed [1/m].
+// Laplacian of the depth at a column [1/m].
 fn depth_laplacian(line: u32, depths: u32) -> f32 {
     let depth = column_value(depths, line);
     let along = difference(column_value(depths, line - across()), depth, column_value(depths, line + across()));
@@ -38,7 +38,7 @@ fn depth_laplacian(line: u32, depths: u32) -> f32 {
     return (along.bend + sideways.bend) / setup.voxel;
 }
 
-// A cell under the tool at a pose.
+// Lane of a cell under the tool at a pose.
 fn lane_at(line: u32, pose: Pose) -> Lane {
     let at = local_point(line, pose);
     let voxel = setup.voxel;
@@ -62,7 +62,7 @@ fn lane_at(line: u32, pose: Pose) -> Lane {
     return lane;
 }
 
-// Depth of a column under the tool at a pose [voxels], less the gap that the effects put between them.
+// Depth of a column under the tool at a pose [voxels], less the gap that effects add.
 fn measured_depth(line: u32, pose: Pose) -> f32 {
     let depth = tool_depth(local_point(line, pose));
     if !HAS_SHAPE {
@@ -73,14 +73,14 @@ fn measured_depth(line: u32, pose: Pose) -> f32 {
     return depth - gap / setup.voxel;
 }
 
-// Keeps in mind that a formula gave no finite number.
+// Records that a formula of a cell gave no finite number.
 fn note_bad(result: f32, place: u32) {
     if is_bad(result) {
         maxima[MAX_BAD] = max(maxima[MAX_BAD], f32(place));
     }
 }
 
-// Keeps in mind that a formula of the step gave no finite number.
+// Records that a formula of the step gave no finite number.
 fn note_fault(result: f32, place: u32) {
     if is_bad(result) {
         fault = max(fault, f32(place));
@@ -97,7 +97,7 @@ fn pressed(lane: Lane, depth: f32, depth_rate: f32) -> f32 {
     return pressure;
 }
 
-// Recession speed [m/s] at such a depth, or at depth 0 in the air.
+// Recession speed [m/s] at such a depth; in the air, at depth 0.
 fn ground(lane: Lane, depth: f32, depth_rate: f32) -> f32 {
     if setup.grinds == 0u {
         return 0.0;

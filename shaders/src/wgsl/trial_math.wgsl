@@ -1,5 +1,5 @@
-// Operations of the formulas in f32; twin of sim/src/effect/op.rs and math.rs. The drivers' own exp, log and sin are
-// good to some digits only and differ from one to the next. No bindings.
+// Operations of formulas in f32; twin of effects/src/op.rs. The drivers' exp, log and sin are accurate
+// to a few digits only and differ between drivers. No bindings.
 
 const LN2_HIGH: f32 = 0.693359375;
 const LN2_LOW: f32 = -2.12194440e-4;
@@ -7,7 +7,7 @@ const ANGLE_HIGH: f32 = 1.5703125;
 const ANGLE_MIDDLE: f32 = 4.837512969970703125e-4;
 const ANGLE_LOW: f32 = 7.549789948768648e-8;
 
-// Whether a value is neither a number nor finite, told from its bits: a compiler may assume that none is.
+// True if a value is infinite or NaN. Tests the bits, because compilers may assume that neither occurs.
 fn is_bad(value: f32) -> bool {
     return (bitcast<u32>(value) & 0x7f800000u) == 0x7f800000u;
 }
@@ -50,7 +50,7 @@ fn exp_rest(r: f32) -> f32 {
     return r + r * r * sum;
 }
 
-// 2^n for a whole n from -126 to 127.
+// 2^n for a whole number n from -126 to 127.
 fn power_of_two(n: f32) -> f32 {
     return bitcast<f32>(u32(i32(n) + 127) << 23u);
 }
@@ -116,10 +116,10 @@ fn op_cos(x: f32) -> f32 {
     return sine_in_quadrant((i32(n) + 1) & 3, ((x - n * ANGLE_HIGH) - n * ANGLE_MIDDLE) - n * ANGLE_LOW);
 }
 
-// Weights (phi1, phi2, psi2) of an exponential step with x = lambda dt; twin of phi_functions.rs. psi1 is phi2.
+// Weights (phi1, phi2, psi2) of an exponential integrator with x = lambda dt; twin of phi_functions.rs. psi1 is phi2.
 fn decay_weights(x: f32) -> vec3f {
     if x < 1.0 {
-        // psi2 = sum (-x)^n / (n + 3)!, the others downwards from it.
+        // psi2 = sum (-x)^n / (n + 3)!; the others by recurrence from it.
         let tail = 1.9841270e-4 - x * (2.4801587e-5 - x * (2.7557319e-6 - x * 2.7557319e-7));
         let psi2 = 0.16666667 - x * (0.041666667 - x * (0.0083333333 - x * (0.0013888889 - x * tail)));
         let phi2 = 0.5 - x * psi2;

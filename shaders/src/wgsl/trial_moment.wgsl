@@ -1,6 +1,6 @@
-// What the formulas may read once per step; twin of step_values.rs.
+// Step-wide variables of the formulas; twin of step_values.rs.
 
-// Sets what is known before a step.
+// Sets the variables known before a step.
 fn enter_moment() {
     let pose = nominal(now());
     let voxel = setup.voxel;
@@ -31,7 +31,7 @@ fn publish_clock() {
     set_value(V_PATH_REMAINING, max(setup.path_length - state.path_position, 0.0));
 }
 
-// Sets the spindle's speed as the model has it.
+// Sets the spindle speed that the model gives, and the sliding speed of the rim.
 fn set_spindle() {
     if HAS_SPINDLE {
         let speed = formula_spindle();
@@ -42,7 +42,7 @@ fn set_spindle() {
     set_value(V_SLIDING_SPEED, abs(value(V_SPINDLE_SPEED)) * rim);
 }
 
-// Offset and tilt of the tool in this step.
+// Sets the offset and tilt of the tool in this step.
 fn set_pose_change() {
     if !HAS_POSE {
         return;
@@ -55,7 +55,7 @@ fn set_pose_change() {
     state.tilt = vec4f(change[3], change[4], 0.0, 0.0);
 }
 
-// Takes up what a step did, and tells the formulas.
+// Records the results of a step and sets the variables of formulas.
 fn leave_moment(width: f32) {
     let dt = state.dt;
     let voxel = setup.voxel;
@@ -90,7 +90,7 @@ fn leave_air() {
     publish_clock();
 }
 
-// Writes the row of the step that has been taken.
+// Writes the log row of the accepted step.
 fn write_row(in_air: u32) {
     let time = later(now(), state.dt);
     var row: LogRecord;

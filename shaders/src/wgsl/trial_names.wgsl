@@ -1,7 +1,7 @@
-// Numbers that name arrays, sums, poses and phases, and what an invocation keeps beside its buffers.
+// Indices of arrays, sums, poses and phases, and private variables of an invocation.
 
-// Arrays over the lines of a height field: height as it was read, in whole voxels above the base and the part of one, and how far
-// it has sunk since; slopes, channels, and what the step does.
+// Arrays over the columns of a height field: height when read, as whole voxels above the base and a remainder; drop of
+// the surface since then; slopes, channels, and results of the step.
 const WHOLE: u32 = 0u;
 const PART: u32 = 1u;
 const SUNK: u32 = 2u;
@@ -15,7 +15,7 @@ const MEAN_LOAD: u32 = 9u;
 const DOSE_GAIN: u32 = 10u;
 const PRESSURE_START: u32 = 11u;
 const PRESSURE_END: u32 = 12u;
-// Depth, mean depth, share, area and cover of one end of the step; those of the other lie SIDE_ARRAYS further.
+// Depth, mean depth, share, area and cover at one end of the step; those of the other end follow SIDE_ARRAYS later.
 const END_DEPTH: u32 = 13u;
 const END_MEAN: u32 = 14u;
 const END_SHARE: u32 = 15u;
@@ -23,10 +23,10 @@ const END_AREA: u32 = 16u;
 const END_COVER: u32 = 17u;
 const SIDE_ARRAYS: u32 = 5u;
 
-// WHOLE of a line without a surface [voxels].
+// Value of WHOLE for a column without a surface [voxels].
 const NO_SURFACE: f32 = -4e6;
 
-// Sums over the cells; the first two also of the cells that complete a step.
+// Sums over the cells: a force evaluation uses the first two, the completion of a step all except SUM_STIFFNESS.
 const SUM_FORCE: u32 = 0u;
 const SUM_STIFFNESS: u32 = 1u;
 const SUM_LOAD: u32 = 2u;
@@ -35,7 +35,7 @@ const SUM_VOLUME: u32 = 4u;
 const SUM_COATING: u32 = 5u;
 const SUMS: u32 = 6u;
 
-// Greatest values over the cells, or over the lines when a height field is written back.
+// Maxima over the cells, or over the columns during write-back.
 const MAX_BAD: u32 = 0u;
 const MAX_BORDER: u32 = 1u;
 const MAX_DEPTH: u32 = 2u;
@@ -54,13 +54,13 @@ const MAX_DOSED: u32 = 8u;
 const MAX_REACH: u32 = 9u;
 const MAXIMA: u32 = REDUCED - SUMS;
 
-// Poses that are kept: at the start and the end of the step, in its middle, and at its end without travel.
+// Stored poses: start, end and middle of the step, and the pose of the force evaluation without travel.
 const POSE_START: u32 = 0u;
 const POSE_END: u32 = 1u;
 const POSE_MIDDLE: u32 = 2u;
 const POSE_AIM: u32 = 3u;
 
-// Answers of a search for the balance.
+// Results of a search for the balance.
 const SEARCHING: u32 = 0u;
 const FOUND: u32 = 1u;
 const NOTHING: u32 = 2u;
@@ -91,14 +91,14 @@ const COPY: u32 = 25u;
 const RAISE: u32 = 26u;
 const SLOPES: u32 = 27u;
 const FAR_LAYER: u32 = 28u;
-// Nothing until the host has done something.
+// No work until the host has acted.
 const IDLE: u32 = 29u;
 
-// Sums and greatest values over the cells, of one invocation.
+// Sums and maxima over the cells of one invocation.
 var<private> totals: array<f32, SUMS>;
 var<private> maxima: array<f32, MAXIMA>;
-// A formula of the step that gave no finite number.
+// Hook of the step whose formula gave no finite number; 0 for none.
 var<private> fault: f32;
-// What the trial is made with and how far it is: copies, since a buffer is slow to look into time and again.
+// Private copies of the trial's setup and state, because repeated reads from a buffer are slow.
 var<private> setup: TrialSetup;
 var<private> state: TrialState;

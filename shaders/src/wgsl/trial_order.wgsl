@@ -1,6 +1,6 @@
-// The order of the phases.
+// Order of the phases.
 
-// What follows the parallel part that has been done.
+// Completes the phase that has run and chooses the next one.
 fn settle() {
     switch state.phase {
         case READ: { state.has_height_field = 1u; look(); state.phase = TRY; }
@@ -28,7 +28,7 @@ fn settle() {
     }
 }
 
-// Decides until there is work for all invocations again.
+// Runs the phases of one invocation until there is work for all invocations.
 fn control() {
     fault = 0.0;
     settle();

@@ -1,13 +1,13 @@
-// Where the tool stands at a time; twin of path.rs and tool/pose.rs. A pose is that of the tool's lowest point: lengths
-// from there are small numbers, which f32 keeps.
+// Pose of the tool over time; twin of path.rs and pose.rs. A pose is that of the tool's lowest point: lengths
+// relative to it are small numbers, which f32 resolves.
 
-// Time as blocks of 1/64 s and the rest [s].
+// Time as a number of blocks of 1/64 s and a remainder [s].
 struct Time {
     blocks: i32,
     rest: f32,
 }
 
-// Lowest point of a tool as voxel and rest [voxels], and its axes.
+// Lowest point of a tool as a voxel and a remainder [voxels], and the tool's axes.
 struct Pose {
     whole: vec3i,
     rest: vec3f,
@@ -23,7 +23,7 @@ fn later(time: Time, way: f32) -> Time {
     return Time(time.blocks + i32(blocks), rest - blocks / f32(TIME_BLOCKS));
 }
 
-// Time from the second to the first [s].
+// Time from `b` to `a` [s].
 fn time_between(a: Time, b: Time) -> f32 {
     return f32(a.blocks - b.blocks) / f32(TIME_BLOCKS) + (a.rest - b.rest);
 }
@@ -40,7 +40,7 @@ fn piece_time(piece: u32) -> Time {
     return Time(path[piece].whole.w, path[piece].rest.w);
 }
 
-// The piece of the path that holds a time not before now.
+// Segment of the path at a time that is not before the current one.
 fn piece_at(time: Time) -> u32 {
     let last = setup.path_first + setup.path_pieces - 1u;
     var piece = state.piece;
@@ -50,7 +50,7 @@ fn piece_at(time: Time) -> u32 {
     return piece;
 }
 
-// A vector less its part along a unit vector.
+// Component of a vector perpendicular to a unit vector.
 fn rejected(v: vec3f, unit: vec3f) -> vec3f {
     return v - unit * dot(v, unit);
 }
@@ -60,7 +60,7 @@ fn normalized(v: vec3f) -> vec3f {
     return select(vec3f(0.0), v / size, size > 0.0);
 }
 
-// A pose whose rest is again between 0 and 1.
+// The pose with each component of its remainder carried into 0 to 1.
 fn carried(pose: Pose) -> Pose {
     var result = pose;
     let carry = floor(pose.rest);
@@ -79,7 +79,7 @@ fn moved(pose: Pose, along: vec3f, way: f32) -> Pose {
     return carried(result);
 }
 
-// Axes of a tool whose path has this approach and axis.
+// The pose with the axes of a tool for its approach axis and the path's axis.
 fn framed(pose: Pose, axis: vec3f) -> Pose {
     var result = pose;
     if setup.tool == TOOL_WHEEL {
@@ -94,7 +94,7 @@ fn framed(pose: Pose, axis: vec3f) -> Pose {
     return result;
 }
 
-// The tool on its path, as the robot believes it to be.
+// Nominal pose of the tool on its path, without travel and effects.
 fn nominal(time: Time) -> Pose {
     let piece = piece_at(time);
     let span = path[piece].velocity.w;
@@ -108,7 +108,7 @@ fn nominal(time: Time) -> Pose {
     return framed(carried(pose), axis);
 }
 
-// The tool with the offset and tilt of the model's effects; it tilts about its reference point.
+// The pose with the offset and tilt of the model's effects; the tool tilts about its reference point.
 fn changed(pose: Pose) -> Pose {
     let offset = state.offset;
     let tilt = state.tilt;
@@ -128,17 +128,17 @@ fn changed(pose: Pose) -> Pose {
     return moved(result, mat3x3f(pose.x, pose.y, pose.z) * shift, 1.0);
 }
 
-// A pose lifted by the travel of now.
+// The pose lifted by the current travel.
 fn lifted(pose: Pose) -> Pose {
     return moved(moved(pose, pose.approach, state.coarse), pose.approach, state.fine);
 }
 
-// The tool as the effects have it.
+// Pose of the tool with travel and effects.
 fn pose_at(time: Time) -> Pose {
     return lifted(changed(nominal(time)));
 }
 
-// Way of the reference point from one pose to the next [voxels].
+// Displacement of the reference point from pose `a` to pose `b` [voxels].
 fn way_between(a: Pose, b: Pose) -> vec3f {
     return vec3f(b.whole - a.whole) + (b.rest - a.rest) + setup.drop * (b.z - a.z);
 }

@@ -1,5 +1,5 @@
-// What one invocation decides between the parallel parts of a step: clock, height field and poses; twin of step/mod.rs, step/force_balance.rs
-// and extent.rs.
+// Decisions of one invocation between the parallel parts of a step: clock, height field and poses; twin of step/mod.rs,
+// step/force_balance.rs and extent.rs.
 
 
 fn is_ideal() -> bool {
@@ -14,13 +14,13 @@ fn path_speed() -> f32 {
     return length(path[piece_at(now())].velocity.xyz);
 }
 
-// Time in which the tool moves by so many voxels [s]; 0 while it stands.
+// Time in which the tool moves by `way` voxels [s]; 0 at rest.
 fn time_for(way: f32) -> f32 {
     let speed = path_speed();
     return select(0.0, way / speed, speed > 0.0);
 }
 
-// Begins a step, or ends the pass.
+// Starts a step, or ends the pass.
 fn plan_step() {
     let left = time_between(duration(), now());
     state.left = left;
@@ -52,7 +52,7 @@ fn plan_step() {
     state.phase = CHOOSE;
 }
 
-// Ends the approach when its time is up or the tool touches.
+// Ends the approach when its time is over or the tool touches the part.
 fn take_over(over: bool) {
     let touches = value(V_FORCE) > TOUCH * setup.force_setpoint;
     if state.controller != setup.controller && (touches || over) {
@@ -60,7 +60,7 @@ fn take_over(over: bool) {
     }
 }
 
-// Widens the window [first u, first v, last u, last v], and its lowest height, by the contact's corners at a pose.
+// Extends the window [first u, first v, last u, last v] and its lowest height to the contact's corners at a pose.
 fn widen(window: vec4i, lowest: i32, pose: Pose) -> array<vec4i, 2> {
     let whole = whole_to_height_field(pose.whole);
     let rest = to_height_field(pose.rest);
@@ -82,7 +82,7 @@ fn no_window() -> array<vec4i, 2> {
     return array<vec4i, 2>(vec4i(2147483647, 2147483647, -2147483647, -2147483647), vec4i(2147483647));
 }
 
-// The axis of the field that the tool approaches most directly, and which way is up.
+// Lattice axis nearest to the approach axis, and its upward direction.
 fn facing(approach: vec3f) -> vec2i {
     let size = abs(approach);
     var axis = select(0, 1, size.y > size.x);
@@ -90,7 +90,7 @@ fn facing(approach: vec3f) -> vec2i {
     return vec2i(axis, select(1, -1, approach[axis] < 0.0));
 }
 
-// Sees to a height field that holds the contact of the step, and looks at its region of it.
+// Ensures a height field that contains the contact of the step, and sets the region of the step in it.
 fn choose_height_field() {
     let dt = state.step_dt;
     let wanted = facing(nominal(now()).approach);
@@ -119,7 +119,7 @@ fn choose_height_field() {
     }
 }
 
-// Looks at the part of the height field that the step needs, of lines that have neighbours on all sides.
+// Sets the region that the step evaluates, of columns that have neighbours on all sides.
 fn look() {
     let first = state.wanted.xy - state.window_low.xy;
     let ends = vec2i(vec2u(state.window_size[0], across())) - 1;

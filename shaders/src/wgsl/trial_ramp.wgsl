@@ -1,6 +1,6 @@
-// Means of max(d, 0) for a depth d that is linear over a rectangle; twin of clipped_cell.rs. No bindings.
+// Means of max(d, 0) over a rectangle for a linear depth d; twin of clipped_cell.rs. No bindings.
 
-// Below this share of the wide span the narrow one is left out: f32 would lose it in differences.
+// Share of the wide span below which the narrow one is neglected: f32 differences would lose it.
 const THIN: f32 = 1e-3;
 
 fn ramp(z: f32, span: f32) -> f32 {
@@ -36,7 +36,7 @@ fn ramp_mean(depth: f32, spans: vec2f) -> f32 {
     return (ramp_integral(depth + narrow, wide) - ramp_integral(depth - narrow, wide)) / (2.0 * narrow);
 }
 
-// Share of the same rectangle in which depth + x + y is positive.
+// Share of the same rectangle on which depth + x + y is positive.
 fn wet_share(depth: f32, spans: vec2f) -> f32 {
     let wide = max(spans.x, spans.y);
     let narrow = min(spans.x, spans.y);

@@ -1,12 +1,12 @@
-// Distances that carry no zero set, taken anew from one voxel nearer to the surface; twin of write_back.rs.
+// Reinitialises distances that carry no zero set, from one voxel nearer to the surface; twin of write_back/reinitialize.rs.
 
-// Voxel of a line that is `layer` steps from the surface on a side.
+// Voxel of a column in a layer on one side of the surface; layer 1 is next to the surface.
 fn layer_voxel(line: u32, layer: i32, side: i32) -> i32 {
     let below = voxel_below(line, column_value(SUNK, line));
     return select(below + 1 - layer, below + layer, side > 0);
 }
 
-// Distance of a line's voxel in a layer from the surface [m], signed; NONE where it is left alone.
+// New signed distance of a column's voxel in a layer from the surface [m]; NONE if it is left unchanged.
 fn renewed(line: u32, layer: i32, side: i32) -> f32 {
     let at = line_place(line);
     let k = layer_voxel(line, layer, side);
@@ -26,7 +26,7 @@ fn renewed(line: u32, layer: i32, side: i32) -> f32 {
     return clamp(distance, setup.kept_length, setup.band_length) * f32(side);
 }
 
-// Phi [m] at height k, `shift` columns away from a line; NONE beyond the window or the band.
+// Phi [m] at height `k`, `shift` columns away from a column; NONE beyond the window or the band.
 fn phi_around(line: u32, shift: vec2f, k: i32) -> f32 {
     let own = vec2f(f32(line / across()), f32(line % across()));
     let at = own + shift;
@@ -52,7 +52,7 @@ fn phi_around(line: u32, shift: vec2f, k: i32) -> f32 {
     return sum;
 }
 
-// Writes a renewed distance; a voxel that was beyond the band takes the label of the one above it.
+// Writes a reinitialised distance; a voxel that was inside, beyond the band, takes the label of the voxel above it.
 fn write_renewed(line: u32, layer: i32, side: i32, distance: f32) {
     if distance == NONE {
         return;

@@ -1,21 +1,22 @@
-// A cell integrated over a step, and put right where its law is no straight line in the depth; twin of scheme/exponential_integrator.rs and scheme/nonlinear_correction.rs.
+// Integration of a cell over a step, with a correction for laws that are nonlinear in the depth; twin of
+// scheme/exponential_integrator.rs and scheme/nonlinear_correction.rs.
 
 
 
-// What a step does to a cell.
+// Result of a step at one cell.
 struct Relaxed {
     // [voxels]
     recession: f32,
-    // Pressure times wet share at the end after all, and as a mean over the step [Pa].
+    // Pressure times share in contact: at the end of the step after recession, and as a mean over the step [Pa].
     end_load: f32,
     mean_load: f32,
     // -dp/dz [Pa / voxel]
     stiffness: f32,
-    // Relaxation in the step.
+    // Relaxation in the step, lambda dt.
     relaxation: f32,
 }
 
-// The law at the start of a step (x), at its end without recession (y) and where it ends after all (z).
+// The law at the start of a step (x), at its end without recession (y) and at its end with recession (z).
 struct Looks {
     // [voxels]
     depths: vec3f,
@@ -23,17 +24,18 @@ struct Looks {
     pressures: vec3f,
     // [m/s]
     rates: vec3f,
-    // Depths that recede by the law [voxels], negative in the air.
+    // Depths that enter the recession law at start and end [voxels], negative in the air.
     own: vec2f,
-    // Wet shares at start and end, and those that recede.
+    // Shares in contact at start and end, and shares of the cell that recede.
     shares: vec2f,
     covers: vec2f,
-    // By how much deeper the cell lies in the middle of the step than the mean of both ends [voxels]; below 0 where the work is
-    // not flat.
+    // Bulge: excess of the depth in the middle of the step over the mean of both ends [voxels]; negative where the work
+    // is not flat.
     bulge: f32,
 }
 
-// Looks at the law at both ends of the step, at mean depths [voxels] and at those that recede (x, y) with their shares (z, w).
+// Evaluates the law at both ends of the step, pressures at the mean `depths` [voxels]. `own` holds the depths that
+// enter the recession law (x, y) and the shares that recede (z, w).
 fn look_at_ends(lane: Lane, depths: vec2f, own: vec4f, depth_rate: f32) -> Looks {
     let pressures = vec2f(pressed(lane, depths.x, depth_rate), pressed(lane, depths.y, depth_rate));
     let rates = vec2f(ground(lane, own.x, depth_rate), ground(lane, own.y, depth_rate));
@@ -47,7 +49,7 @@ fn relaxation_of(lane: Lane, looks: Looks, depth_rate: f32) -> f32 {
     return select(0.0, max(steeper / (PROBE * own * setup.voxel), 0.0), own > 0.0);
 }
 
-// Integrates a cell over the step, in which it relaxes at a rate [1/s], with the law straight from its ends on.
+// Integrates a cell over the step with the law linearised at its ends; `relaxation`: slope of the law [1/s].
 fn integrate(looks: Looks, end: Cell, relaxation: f32) -> Relaxed {
     let dt = state.dt;
     let depth = max(looks.depths.x, looks.depths.y);
@@ -72,17 +74,17 @@ fn integrate(looks: Looks, end: Cell, relaxation: f32) -> Relaxed {
     return Relaxed(recession, loads.y * left, mean_load, answer, relaxation * dt);
 }
 
-// Mean depth over the wet share that a recession leaves [voxels].
+// Mean depth over the share in contact after a recession [voxels].
 fn left_of(depth: f32, share: f32, recession: f32) -> f32 {
     return select(0.0, max(depth - recession / share, 0.0), share > 0.0);
 }
 
-// Slope between two points, or another where they are too near each other.
+// Slope between two points; `otherwise` if they are too close.
 fn slope_between(a: vec2f, b: vec2f, otherwise: f32) -> f32 {
     return select(otherwise, (b.y - a.y) / (b.x - a.x), abs(b.x - a.x) > APART * max(a.x, b.x));
 }
 
-// Puts a cell right whose law bends.
+// Corrects a cell whose law is nonlinear, by the law at the depth at the end of the step.
 fn bend(looks: Looks, straight: Relaxed) -> Relaxed {
     let voxel = setup.voxel;
     let dt = state.dt;

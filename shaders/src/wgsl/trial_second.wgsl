@@ -1,4 +1,4 @@
-// The second share of each phase, after all invocations have done the first.
+// Second part of each phase, after all invocations have completed the first.
 
 fn second_part(phase: u32) {
     switch phase {
@@ -14,7 +14,7 @@ fn second_part(phase: u32) {
     }
 }
 
-// Takes the slopes of the whole height field, or of what the step looked at.
+// Computes the slopes of the whole height field, or of the step's region and the columns around it.
 fn take_slopes(looked_at: bool) {
     let region = select(vec4u(0u, 0u, state.window_size[0], across()), grown(state.region), looked_at);
     for (var n = lane_id; n < region_count(region); n += WORKGROUP_SIZE) {

@@ -1,7 +1,7 @@
-// Where the controller brings the tool in a step, evaluation by evaluation; twin of step/force_balance.rs.
+// Search for the tool's motion in a step, evaluation by evaluation; twin of step/force_balance.rs.
 
 
-// Chooses a height field that holds the contact for the next steps.
+// Chooses a height field that contains the contact of the next steps.
 fn plan_height_field() {
     let write_back_way = setup.write_back_way;
     let ahead = time_for(write_back_way + setup.step_way + LOOK_AHEAD);
@@ -35,25 +35,26 @@ fn plan_height_field() {
     state.phase = READ;
 }
 
-// Stops the trial until the host has done something about it.
+// Stops the trial until the host has acted.
 fn pause(status: u32, resume: u32) {
     state.status = status;
     state.resume = resume;
     state.phase = IDLE;
 }
 
-// Whether the tool must first be brought into balance where it is: from the air, and on every new height field.
+// Decides if the tool is first balanced at its current position: from the air, and if an ideal controller grinds and
+// the step does not continue from the previous one.
 fn plan_try() {
     let anew = is_ideal() && setup.grinds == 1u && state.goes_on == 0u;
     state.settling = select(0u, 1u, state.in_air == 1u || anew);
     state.phase = AIM;
 }
 
-// Puts the tool at the start and the end of the step to try.
+// Sets the poses of the trial step.
 fn plan_aim() {
     state.dt = select(state.step_dt, 0.0, state.settling == 1u);
     let dt = state.dt;
-    // At the start, in the middle and at the end, without travel.
+    // Poses at the start, in the middle and at the end, without travel.
     var poses: array<Pose, 3>;
     for (var n = 0u; n < 3u; n++) {
         poses[n] = changed(nominal(later(now(), 0.5 * f32(n) * dt)));
@@ -75,7 +76,7 @@ fn plan_aim() {
     state.goes_on = 0u;
 }
 
-// Whether the controller is stepped at its own period.
+// True if the controller is stepped at its own period.
 fn is_sampled() -> bool {
     return state.controller == CONTROLLER_ADMITTANCE && state.dt <= period() * (1.0 + 1e-5);
 }
@@ -94,7 +95,7 @@ fn plan_search() {
     plan_evaluation();
 }
 
-// By how much a point of the surface lies deeper in the middle of a way of the tool than the mean of both ends.
+// Bulge: excess of a surface point's depth in the middle of the tool's motion `way` over the mean of both ends.
 fn tool_bulge(pose: Pose, way: vec3f) -> f32 {
     let along = dot(pose.x, way) * dot(pose.x, way);
     let across = dot(pose.y, way) * dot(pose.y, way);
@@ -104,7 +105,7 @@ fn tool_bulge(pose: Pose, way: vec3f) -> f32 {
     return select(0.0, (along + across) / (8.0 * setup.tool_radius), setup.tool == TOOL_SPHERE);
 }
 
-// Puts the tool where its force is to be known.
+// Sets the poses for an evaluation of the force at `guess`.
 fn plan_evaluation() {
     let aim = kept_pose(POSE_AIM);
     let end = moved(moved(aim, aim.approach, state.guess_base), aim.approach, state.guess);

@@ -1,6 +1,6 @@
-// The side face that a wheel leaves beside it; twin of contact/side_face.rs. All lengths in voxels.
+// Side face that a wheel leaves beside its groove; twin of contact/side_face.rs. All lengths in voxels.
 
-// One of a wheel's sides: the step from line to line that leads out of it, and the sign of its y there.
+// One of a wheel's two sides: index step from column to column out of the wheel, and sign of the wheel's y there.
 struct Side {
     outwards: i32,
     sign: f32,
@@ -10,23 +10,23 @@ fn line_out(line: u32, side: Side, steps: i32) -> u32 {
     return u32(i32(line) + steps * side.outwards);
 }
 
-// How far a column is within a side.
+// Distance of a column inside a side.
 fn side_distance(line: u32, side: Side, pose: Pose) -> f32 {
     return setup.tool_half_width - side.sign * local_point(line, pose).y;
 }
 
-// Whether a part of a column's cell is within a side.
+// True if a column's cell is partly inside a side.
 fn is_within(line: u32, side: Side, pose: Pose) -> bool {
     return side_distance(line, side, pose) > -0.5 * (abs(pose.y.x) + abs(pose.y.y));
 }
 
-// Share of a column's cell that is beyond a side.
+// Share of a column's cell outside a side.
 fn share_beyond(line: u32, side: Side, pose: Pose) -> f32 {
     let inward = -side.sign * pose.y;
     return 1.0 - cover_within(line, side_distance(line, side, pose), inward, state.sweep.xyz).share;
 }
 
-// What the side face at a side makes a column too deep by, `place` cells out from the outermost that is within: -1, 0 or 1.
+// Depth that the side face adds to a column, `place` cells outwards (-1, 0 or 1) from `rim`, the outermost cell inside.
 fn side_face_part(place: i32, rim: u32, side: Side, pose: Pose) -> f32 {
     let here = measured_depth(rim, pose);
     if here <= -1.0 {
@@ -52,9 +52,9 @@ fn side_face_part(place: i32, rim: u32, side: Side, pose: Pose) -> f32 {
     return min(share_beyond(rim, side, pose) * side_face, max(here - groove, 0.0));
 }
 
-// The same of any column.
+// The same for any column.
 fn beside_side_face(line: u32, side: Side, at: i32, count: i32, pose: Pose) -> f32 {
-    // A rim has three cells within it and two beyond it in its row.
+    // Only a rim with three more cells inwards and two outwards in its row counts.
     let low = select(3, 2, side.outwards < 0);
     let high = count - 1 - select(2, 3, side.outwards < 0);
     let way = select(1, -1, side.outwards < 0);
@@ -71,7 +71,7 @@ fn beside_side_face(line: u32, side: Side, at: i32, count: i32, pose: Pose) -> f
     return 0.0;
 }
 
-// Depth of a column of the region `grown` by the lines around it, without the side faces at a wheel's border.
+// Depth of a column of a `grown` region, without the side faces at a wheel's border.
 fn depth_without_side_faces(line: u32, region: vec4u, pose: Pose) -> f32 {
     let depth = measured_depth(line, pose);
     let is_near = abs(setup.tool_half_width - abs(local_point(line, pose).y)) < 3.0;

@@ -1,14 +1,15 @@
-// One step of the contact over the cells of the region, one invocation each in turn; twin of scheme/grinding.rs and scheme/sanding.rs.
+// One step of the contact over the cells of the region, distributed over the invocations; twin of scheme/grinding.rs
+// and scheme/sanding.rs.
 
 
-// Whether a line is in the rectangle in which the start of the step was measured.
+// True if a column is in the region that was measured at the start of the step.
 fn has_start(line: u32) -> bool {
     let region = state.start_region;
     let at = vec2u(line / across(), line % across());
     return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
 }
 
-// A cell at one end of the step, in arrays that begin at `depths`.
+// Cell at one end of the step, from the arrays that begin at `depths`.
 fn kept_cell(line: u32, depths: u32) -> Cell {
     let mean = column_value(depths + (END_MEAN - END_DEPTH), line);
     let share = column_value(depths + (END_SHARE - END_DEPTH), line);
@@ -27,7 +28,7 @@ fn end_cell(line: u32) -> Cell {
     return kept_cell(line, end_array(END_DEPTH));
 }
 
-// Mean depth over the wet share.
+// Mean depth over the share in contact.
 fn wet_depth(cell: Cell) -> f32 {
     return select(0.0, cell.mean / cell.share, cell.share > 0.0);
 }
@@ -37,7 +38,7 @@ fn on_border(line: u32, region: vec4u) -> bool {
     return at.x == 0u || at.y == 0u || at.x + 1u == region.z || at.y + 1u == region.w;
 }
 
-// Measures a cell at one end of the step, in arrays that begin at `depths`.
+// Measures a cell at one end of the step and stores it in the arrays that begin at `depths`.
 fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
     let cell = cell_at(line, depths, pose, sweep);
     set_column(depths + (END_MEAN - END_DEPTH), line, cell.mean);
@@ -49,7 +50,7 @@ fn measure(line: u32, depths: u32, pose: Pose, sweep: vec3f) {
     }
 }
 
-// Force at the end of the step and how it depends on the travel, of one cell.
+// Evaluates one cell's force at the end of the step and its dependence on the travel.
 fn respond(line: u32, pose: Pose, middle: Pose) {
     measure(line, end_array(END_DEPTH), pose, state.sweep.xyz);
     let depth = column_value(end_array(END_DEPTH), line);
@@ -78,7 +79,7 @@ fn lane_here(line: u32, middle: Pose) -> Lane {
     return lane;
 }
 
-// Mean slip speed at a cell while the tool is over it, weighted with its depth, in a step that is taken as its middle.
+// Mean slip speed at a cell while the tool is over it, weighted with its depth, for a step evaluated at its middle.
 fn swept_slip_speed(line: u32, middle: Pose, cell: Cell) -> f32 {
     let at = local_point(line, middle);
     let sweep = state.sweep.xyz;
@@ -90,7 +91,7 @@ fn swept_slip_speed(line: u32, middle: Pose, cell: Cell) -> f32 {
     return 0.5 * ((1.0 - deeper) * slip_speed(at - (lag - apart) * way) + (1.0 + deeper) * slip_speed(at - (lag + apart) * way));
 }
 
-// Force of a step that is taken as its middle.
+// Adds the force of a cell for a step evaluated at its middle.
 fn press_whole(line: u32, end: Cell, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let depth = wet_depth(end);
@@ -104,7 +105,7 @@ fn press_whole(line: u32, end: Cell, pose: Pose, middle: Pose) {
     totals[SUM_STIFFNESS] += load / depth * facing;
 }
 
-// Integrates a cell over the step and adds up its force.
+// Integrates a cell over the step and adds its force.
 fn relax(line: u32, start: Cell, end: Cell, pose: Pose, middle: Pose) {
     let voxel = setup.voxel;
     let lane = lane_here(line, middle);

@@ -1,12 +1,13 @@
-// Cells that begin or cease to recede within a step, and the depths that recede; twin of scheme/threshold.rs and of scheme/contact_state.rs.
+// Cells that start or stop receding within a step, and the depths that enter the recession law; twin of
+// scheme/threshold.rs and of scheme/contact_state.rs.
 
-// Recession per what a depth exceeds its straight line by in the middle of a step, as a parabola over time.
+// Recession over a step per bulge, for a depth that follows a parabola over time.
 fn bulge_gain(x: f32) -> f32 {
     let weights = decay_weights(x);
     return 4.0 * x * (weights.y - 2.0 * weights.z);
 }
 
-// Whether the depth bends as over flat work.
+// True if the depth curves as over flat work.
 fn is_flat(line: u32, depths: u32) -> bool {
     let here = column_value(depths, line);
     let along = (column_value(depths, line - across()) - here) + (column_value(depths, line + across()) - here);
@@ -16,9 +17,9 @@ fn is_flat(line: u32, depths: u32) -> bool {
     return abs(along + sideways + whole) <= 0.5 * bend && max(abs(along), abs(sideways)) <= 1.5 * bend;
 }
 
-// Whether it does so at both ends of the step.
+// True if it does so at both ends of the step, and the column is in contact at one end at least.
 fn stays_flat(line: u32) -> bool {
-    // A law that bends may begin elsewhere than its slope says.
+    // The slope at the deeper end does not locate the threshold of a nonlinear law.
     if setup.tool == TOOL_PAD || setup.bends == 1u || !has_start(line) {
         return false;
     }
@@ -28,7 +29,7 @@ fn stays_flat(line: u32) -> bool {
     return is_flat(line, start_array(END_DEPTH)) && is_flat(line, end_array(END_DEPTH));
 }
 
-// Depths that recede at start and end (x, y), and the shares of the cell that do (z, w).
+// Depths that enter the recession law at start and end (x, y), and the shares of the cell that recede (z, w).
 fn receding(line: u32, start: Cell, end: Cell, flat_here: bool) -> vec4f {
     if !flat_here {
         return vec4f(wet_depth(start), wet_depth(end), start.share, end.share);
@@ -37,12 +38,12 @@ fn receding(line: u32, start: Cell, end: Cell, flat_here: bool) -> vec4f {
     let own = vec2f(column_value(depths.x, line), column_value(depths.y, line));
     let shares = vec2f(start.share, end.share);
     let covers = select(vec2f(0.0), vec2f(start.cover, end.cover), shares > vec2f(0.0));
-    // A column in the air has the cover that it has at the other end.
+    // A column in the air takes its cover from the other end of the step.
     return vec4f(own, select(covers, covers.yx, shares == vec2f(0.0) & own < vec2f(0.0)));
 }
 
 
-// Takes a cell back to the mean depth over its wet share whose law, of a slope [1/s], has no threshold.
+// Resets a cell without a threshold in its law to the mean depth over its share in contact; `slope`: of the law [1/s].
 fn with_means(looks: Looks, slope: f32) -> Looks {
     let voxel = setup.voxel;
     let own = max(looks.own.x, looks.own.y);
@@ -59,12 +60,13 @@ fn with_means(looks: Looks, slope: f32) -> Looks {
     return means;
 }
 
-// Whether a cell over flat work recedes at one end of the step only.
+// True if a cell over flat work recedes at only one end of the step.
 fn crosses(looks: Looks) -> bool {
     return looks.bulge >= 0.0 && (looks.rates.x > 0.0) != (looks.rates.y > 0.0);
 }
 
-// Part of a step, from its deeper end on, in which a depth is less than `above` below that end, while it changes by `way`.
+// Part of a step, from its deeper end, in which the depth is less than `above` below that end. Over the step the depth
+// changes by `way`, on a parabola with the given bulge.
 fn part_above(above: f32, way: f32, bulge: f32) -> f32 {
     let slope = way - 4.0 * bulge;
     let root = sqrt(slope * slope + 16.0 * bulge * above);
@@ -77,8 +79,8 @@ fn late(z: f32) -> f32 {
     return select(1.0 - op_log(1.0 + z) / z, series, z < 0.1);
 }
 
-// Recession, its mean over the step [voxels], and 1, of a cell that crosses the depth at which its law begins while it relaxes at
-// a rate [1/s]; zeros where it does not.
+// Recession, its mean over the step [voxels], and 1, for a cell that crosses the threshold depth of its law and relaxes
+// at a rate [1/s]; zeros if it does not cross it.
 fn cross_threshold(looks: Looks, relaxation: f32) -> vec3f {
     let begins = looks.rates.y > 0.0;
     let deeper = select(vec3f(looks.own.x, looks.rates.x, looks.covers.x), vec3f(looks.own.y, looks.rates.y, looks.covers.y), begins);

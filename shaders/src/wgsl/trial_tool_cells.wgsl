@@ -1,4 +1,4 @@
-// The cells of the tool's working surface: bins across a wheel, rings of a disc; twin of tool_cells.rs.
+// Cells of the tool's working surface: bins across a wheel, rings of a disc; twin of tool_cells.rs.
 
 // A full turn [rad].
 const TURN: f32 = 6.2831853;
@@ -13,7 +13,7 @@ fn tool_cell_place(at: vec3f) -> f32 {
     return clamp(length(at.xy) / setup.rim_radius * cells - 0.5, 0.0, cells - 1.0);
 }
 
-// Coordinate of a tool cell's middle [m], and its share of the working surface [m²].
+// Coordinate of a tool cell's middle [m]; `cell_area` is its area of the working surface [m²].
 fn cell_middle(cell: u32) -> f32 {
     let share = (f32(cell) + 0.5) / f32(TOOL_CELLS);
     if setup.tool == TOOL_WHEEL {
@@ -30,7 +30,7 @@ fn cell_area(cell: u32) -> f32 {
     return TURN * cell_middle(cell) * rim / f32(TOOL_CELLS);
 }
 
-// A state of the tool cell over a lane: linear between the middles of the cells.
+// State of the tool cells over a lane, interpolated linearly between the middles of the cells.
 fn tool_cell_over(first: u32, place: f32) -> f32 {
     let cell = min(u32(place), TOOL_CELLS - 1u);
     let here = value(first + cell);

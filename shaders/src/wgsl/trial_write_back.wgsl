@@ -1,14 +1,15 @@
-// Writing what a height field lost back into the field, Eq. (1); twin of write_back.rs. Each line writes its own voxels alone.
+// Writes the recession of a height field back into the distance field, Eq. (1); twin of write_back.rs. Each column
+// writes only its own voxels.
 
 const LEAST_STEEPNESS: f32 = 0.3;
 const MOST_STEEPNESS: f32 = 2.0;
 
-// Voxels above or below the surface that a column's share of the band covers.
+// Number of voxels above or below the surface that lie within the band along a column.
 fn reach_of(line: u32) -> i32 {
     return i32(ceil(setup.band * min(area_ratio(line), STEEPEST))) + 1;
 }
 
-// Notes the rectangle of lines that have receded, and whether any has a dose.
+// Records the bounds of the receded columns, and if any column has a dose.
 fn note_receded(line: u32) {
     if column_value(SUNK, line) > 0.0 {
         let at = vec2f(f32(line / across()), f32(line % across()));
@@ -26,14 +27,14 @@ fn is_dosed(line: u32) -> bool {
     return run.dose_plane != ABSENT && column_value(DOSE, line) > 0.0 && has_surface(line);
 }
 
-// Whether a line's voxels may have a receded column as their closest surface point.
+// True if the closest surface point of a column's voxels may lie on a receded column.
 fn is_changed(line: u32) -> bool {
     let region = state.changed;
     let at = vec2u(line / across(), line % across());
     return all(at >= region.xy) && all(at < region.xy + region.zw) && has_surface(line);
 }
 
-// Writes a line's value of a channel to the voxels around its surface.
+// Writes a column's value of a channel to the voxels around its surface.
 fn write_near(line: u32, plane: u32, to: f32) {
     let at = line_place(line);
     let below = voxel_below(line, column_value(SUNK, line));
@@ -45,7 +46,7 @@ fn write_near(line: u32, plane: u32, to: f32) {
     }
 }
 
-// Interpolates between the columns around a line, `shift` columns away from it, how far they have sunk.
+// Drop of the surface at an offset of `shift` columns from a column, interpolated between columns; 0 beyond the window.
 fn sunk_around(line: u32, shift: vec2f) -> f32 {
     let own = vec2f(f32(line / across()), f32(line % across()));
     let at = own + shift;
@@ -63,7 +64,7 @@ fn sunk_around(line: u32, shift: vec2f) -> f32 {
     return mix(rows.x, rows.y, f.x);
 }
 
-// Raises the band's voxels of a line.
+// Raises phi at a column's voxels within the band.
 fn raise(line: u32) {
     let below = voxel_below(line, 0.0);
     let at = line_place(line);

@@ -1,4 +1,4 @@
-// What follows the phases in which a height field is written back.
+// Decisions after the phases of write-back.
 
 fn settle_bounds() {
     let receded = reduced(SUMS + MAX_ROW) > -FAR;
@@ -16,7 +16,7 @@ fn settle_bounds() {
     }
 }
 
-// What was copied is the trial's own; without room for the rest the host makes some.
+// Marks the copied bricks as filled; if spare bricks are missing, pauses until the host has allocated more.
 fn settle_copy() {
     state.filled_bricks = state.own_bricks;
     state.phase = RAISE;

@@ -1,19 +1,19 @@
-// The way of a ray through the bricks; twin of walk.rs, same names and order of operations. Lengths in voxels, from the
-// lowest voxel of the index. The kernel that includes this declares `blocks` and `stage`.
+// Traversal of the bricks by a ray; twin of walk.rs, with the same names and order of operations. Lengths are in
+// voxels, from the lowest voxel of the index. The including kernel declares `blocks` and `stage`.
 
-// Bits of the blocks in a cube of 4^3 cells whose lowest block is the first.
+// Bits of the blocks in the first cube of 4^3 cells.
 const QUAD: u32 = 0x00330033u;
-// Stands for infinity, which WGSL cannot write down.
+// Replacement for infinity, which WGSL cannot express.
 const FAR: f32 = 3e38;
 
 struct Walk {
     origin: vec3f,
     direction: vec3f,
     inverse: vec3f,
-    // Distance of `origin` from the ray's own start.
+    // Distance of `origin` from the start of the ray.
     entry: f32,
     t: f32,
-    // Where the ray leaves the box; not above `t` for one that misses it.
+    // Position along the ray at which it leaves the box; not above `t` if it misses the box.
     end: f32,
 }
 
@@ -33,12 +33,12 @@ fn start_walk(start: vec3f, direction: vec3f) -> Walk {
     let enter = max(max(near.x, near.y), max(near.z, 0.0));
     let leave = min(far.x, min(far.y, far.z));
     let beside = any(still & ((start < vec3f(0.0)) | (start > size)));
-    // Zero for a ray that misses, and for a NaN.
+    // Zero for a ray that misses the box, and for a NaN.
     let end = select(0.0, leave - enter, enter < leave && leave < FAR && !beside);
     return Walk(start + direction * enter, direction, inverse, enter, 0.0, end);
 }
 
-// log2 of the side of the largest aligned cube around a cell of a brick in which no bit is set.
+// log2 of the side of the largest aligned cube around a cell of a brick in which no bit is set; 0 if the cell's is set.
 fn blocks_clear_shift(bits: vec2u, cell: vec3i) -> u32 {
     if all(bits == vec2u(0u)) {
         return 3u;
@@ -52,7 +52,7 @@ fn blocks_clear_shift(bits: vec2u, cell: vec3i) -> u32 {
     return select(0u, 1u, ((word >> (16u * (block.x & 1u) + 4u * block.y + block.z)) & 1u) == 0u);
 }
 
-// log2 of the side of the aligned cube around a cell in which no metal can be entered; 0 where it can.
+// log2 of the side of the aligned cube around a cell in which a ray cannot enter metal; 0 if it may.
 fn clear_shift(corner: vec3i) -> u32 {
     let place = slot((corner >> vec3u(BRICK_SHIFT)) + grid.origin.xyz);
     if place == OUTSIDE {
@@ -64,14 +64,14 @@ fn clear_shift(corner: vec3i) -> u32 {
     return blocks_clear_shift(blocks[place], corner);
 }
 
-// Lowest corner of the cell that the ray is in or, on a border, enters next.
+// Lowest corner of the cell that contains the ray or, on a border, of the cell that it enters next.
 fn corner_at(walk: Walk, at: vec3f) -> vec3i {
     let whole = vec3i(at);
     let on_border = (walk.direction < vec3f(0.0)) & (vec3f(whole) == at);
     return whole - select(vec3i(0), vec3i(1), on_border);
 }
 
-// Length from `at` to where the ray leaves the cube with lowest corner `low`.
+// Length from `at` to the exit of the ray from the cube with lowest corner `low`.
 fn length_in(walk: Walk, at: vec3f, low: vec3f, side: f32) -> f32 {
     let border = select(low + side, low, walk.direction < vec3f(0.0));
     let length = select((border - at) * walk.inverse, vec3f(FAR), walk.direction == vec3f(0.0));
@@ -96,7 +96,7 @@ fn crossing(values: array<f32, 8>, start: vec3f, direction: vec3f, length: f32) 
     return select(NO_ROOT, root * length, root >= 0.0);
 }
 
-// Distance from the start of a ray to where it enters the metal, or NO_ROOT.
+// Distance from the start of a ray to its entry into the metal, or NO_ROOT.
 fn first_crossing(start: vec3f, direction: vec3f) -> f32 {
     var walk = start_walk(start, direction);
     while walk.t < walk.end {
@@ -116,7 +116,7 @@ fn first_crossing(start: vec3f, direction: vec3f) -> f32 {
     return NO_ROOT;
 }
 
-// Share of a light that reaches the start of a ray towards it; `spread` is the tangent of its half angle.
+// Share of a light that reaches the start of a ray towards it; `spread`: tangent of the light's half angle.
 fn light_share_along(start: vec3f, direction: vec3f, spread: f32) -> f32 {
     var walk = start_walk(start, direction);
     let band = grid.band / grid.voxel;

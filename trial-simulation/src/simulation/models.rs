@@ -91,7 +91,7 @@ impl Simulation<'_> {
         (state, pass): (&mut TrialState, usize),
         outcome: Result<sim::gpu::Outcome, sim::gpu::GpuError>,
     ) -> Result<SimulatedPass, SimulationError> {
-        let failed = |error| SimulationError::Device { pass, error };
+        let failed = |error: sim::gpu::GpuError| SimulationError::Pass { pass, error: error.into() };
         let sim::gpu::Outcome { part, tool, record } = outcome.map_err(failed)?;
         (state.part, state.tool) = (part, tool);
         self.count(state);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use effects::Process;
+use effects::Signal;
 use glam::{DVec2, DVec3};
 use instruments::log::guess::Role;
 
@@ -33,11 +33,9 @@ impl Writer<'_> {
     pub(super) fn text(&mut self, folder: &Path) -> String {
         let name = folder.canonicalize().ok().and_then(|place| Some(place.file_name()?.to_string_lossy().into_owned()));
         let name = name.unwrap_or_else(|| "trial".to_owned());
-        let process = match self.scans.process {
-            Process::Grinding => {
-                "\"grinding\"   # or \"sanding\": coating, whose scans after passes are masks of 0 and 1"
-            }
-            Process::Sanding => "\"sanding\"   # a scan is a mask of 0 and 1",
+        let process = match self.scans.process.signal() {
+            Signal::Height => "\"grinding\"   # or \"sanding\": coating, whose scans after passes are masks of 0 and 1",
+            Signal::Dose => "\"sanding\"   # a scan is a mask of 0 and 1",
         };
         let mut text = format!(
             "# Guessed from the files of this folder. Check every line; FILL IN marks what no file states.\n\
@@ -54,7 +52,7 @@ impl Writer<'_> {
     fn tool(&mut self) -> String {
         let gap = self.placing.gap;
         let lies_on_face = gap.is_some_and(|gap| gap.abs() < ON_FACE);
-        let is_pad = self.scans.process == Process::Sanding || lies_on_face;
+        let is_pad = self.scans.process.signal() == Signal::Dose || lies_on_face;
         let mut text = "[tool]\n".to_owned();
         let width = self.placing.width.map(|width| width * 1e3);
         if is_pad {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::noise::{NoiseFloor, noise_floor, noise_floor_where};
 use super::{CLEARANCE, RegistrationError, centre_and_sigma, despiked, untouched};
-use crate::trial::{PassScan, ToolPath, Trial};
+use crate::trial::{ToolPath, Trial};
 
 /// Minimum number of untouched pixels for a robust spread within a tenth. Of 2,000 pixels in patches of 4 x 4 that
 /// share noise, 125 are independent; the relative error of their spread is 1.17 / √(2 · 125) (Rousseeuw and Croux
@@ -125,7 +125,7 @@ impl ScanNoise {
     /// few.
     fn untouched(trial: &Trial) -> Option<Self> {
         let pass = trial.passes.first()?;
-        let PassScan::Heights(after) = &pass.scan else { return None };
+        let after = pass.scan.heights()?;
         let (before, after) = (trial.scans.clean_before(), despiked(after).0);
         let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
         let free = untouched(&before, &path, &trial.tool, CLEARANCE);

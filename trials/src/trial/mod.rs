@@ -12,6 +12,7 @@ mod frame_offset;
 mod log;
 mod log_columns;
 mod manifest;
+mod pass_scan;
 mod plan;
 mod plausible;
 mod poses;
@@ -37,6 +38,7 @@ pub use frame_offset::{FrameErrors, FrameOffset};
 pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
+pub use pass_scan::PassScan;
 pub use plan::{PLAN_NAMES, write_plan};
 pub use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
@@ -90,15 +92,6 @@ impl Scans {
     pub fn clean_before(&self) -> HeightMap {
         despiked(&self.checked_before()).0
     }
-}
-
-/// Scan after a pass.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PassScan {
-    /// The ground surface.
-    Heights(HeightMap),
-    /// Exposure after sanding.
-    Exposure(ExposureMask),
 }
 
 /// One pass of the tool.

@@ -16,7 +16,7 @@ use super::manifest::{
 };
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
 use super::{Checked, ForceInput, FrameErrors, FrameOffset, HeldTool, Pass, PassScan, Scans, Trial, plausible};
-use effects::Process;
+use effects::{Process, Signal};
 use robot::Controller;
 
 impl Trial {
@@ -268,13 +268,13 @@ impl Reader<'_> {
             Some(columns) => columns.read(file, spindle_speed),
             None => read_log(file),
         })?;
-        let (scan, found, notes) = match process {
-            Process::Grinding => {
+        let (scan, found, notes) = match process.signal() {
+            Signal::Height => {
                 let map = self.file(&table.scan, |file| read_heights(file, frame.like(pixels)))?;
                 let found = map.content.pixels;
                 (PassScan::Heights(map.content), found, map.notes)
             }
-            Process::Sanding => {
+            Signal::Dose => {
                 let mask = self.file(&table.scan, |file| read_exposure(file, frame.like(pixels)))?;
                 let found = mask.content.pixels;
                 (PassScan::Exposure(mask.content), found, mask.notes)

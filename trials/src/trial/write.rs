@@ -14,9 +14,7 @@ use super::manifest::{
     TRIAL_FORMAT, ToolKind, ToolTable,
 };
 use super::scan::Mirror;
-use super::{
-    ExposureMask, ForceInput, FrameErrors, HeldTool, LabelMap, Pass, PassScan, QuantitySource, Trial, TrialColumn,
-};
+use super::{ExposureMask, ForceInput, FrameErrors, HeldTool, LabelMap, Pass, QuantitySource, Trial, TrialColumn};
 use crate::column_unit::named_unit;
 use robot::{Controller, Tool};
 
@@ -120,11 +118,7 @@ pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
     }
     for (table, pass) in manifest.pass.iter().zip(&trial.passes) {
         put(table.log.get_ref(), log_csv(&pass.log))?;
-        let scan = match &pass.scan {
-            PassScan::Heights(map) => heights_csv(map),
-            PassScan::Exposure(mask) => exposure_csv(mask),
-        };
-        put(table.scan.get_ref(), scan)?;
+        put(table.scan.get_ref(), pass.scan.csv())?;
     }
     let text = toml::to_string(&manifest).map_err(FileError::encoding(&folder.join(TRIAL_FILE)))?;
     put(Path::new(TRIAL_FILE), text)
@@ -228,10 +222,7 @@ fn pass_table(number_of_pass: usize, pass: &Pass) -> PassTable {
     let name = |rest: &str| -> Spanned<PathBuf> { plain(format!("pass{number_of_pass}_{rest}.csv").into()) };
     PassTable {
         log: name("log"),
-        scan: name(match pass.scan {
-            PassScan::Heights(_) => "after",
-            PassScan::Exposure(_) => "exposed",
-        }),
+        scan: name(pass.scan.file_word()),
         role: pass.role,
         force_setpoint_n: Some(plain(pass.force_setpoint)),
         feed_mm_s: Some(plain(number(pass.feed * 1e3))),

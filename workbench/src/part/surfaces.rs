@@ -47,7 +47,7 @@ impl ScannedTrial {
         let pass = |pass: &Pass| {
             json!({
                 "isFitted": pass.role == Role::Calibration,
-                "isHeights": matches!(pass.scan, PassScan::Heights(_)),
+                "isHeights": pass.scan.heights().is_some(),
                 "force": pass.force_setpoint,
                 "feed": 1e3 * pass.feed,
             })
@@ -67,10 +67,7 @@ impl ScannedTrial {
     pub(crate) fn heights(&self, passes: usize) -> Option<&HeightMap> {
         match passes.checked_sub(1) {
             None => Some(&self.before),
-            Some(at) => match self.scans.get(at)? {
-                PassScan::Heights(map) => Some(map),
-                PassScan::Exposure(_) => Some(&self.before),
-            },
+            Some(at) => self.scans.get(at)?.heights().or(Some(&self.before)),
         }
     }
 

@@ -66,13 +66,8 @@ fn maps(trial: &Trial) -> Vec<(String, &HeightMap)> {
 
 /// The mask after a pass, if it shows both coating and substrate.
 fn mask(scan: &PassScan) -> Option<&ExposureMask> {
-    match scan {
-        PassScan::Exposure(mask) => {
-            let shows = |kind: bool| mask.exposed.contains(&Some(kind));
-            (shows(true) && shows(false)).then_some(mask)
-        }
-        PassScan::Heights(_) => None,
-    }
+    let shows = |mask: &ExposureMask, kind: bool| mask.exposed.contains(&Some(kind));
+    scan.mask().filter(|mask| shows(mask, true) && shows(mask, false))
 }
 
 /// True if two maps have bit-identical heights that are not all equal.

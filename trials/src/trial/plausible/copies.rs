@@ -6,7 +6,7 @@ use sdf_bake::HeightMap;
 
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
-use super::super::{ExposureMask, PassScan, Trial};
+use super::super::{ExposureMask, Trial};
 use super::{LEAST_PIXELS, Names, ground};
 
 /// Difference of two heights that rounding in files produces [m]: two roundings to a nanometre.
@@ -22,10 +22,7 @@ pub(super) fn check(trial: &Trial, names: &Names) -> Result<(), TrialError> {
     let after = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| Some((*name, ground(pass)?)));
     let maps: Vec<(&Path, &HeightMap)> = before.into_iter().chain(repeats).chain(after).collect();
     refuse_pair(trial, &maps, are_copies, "heights")?;
-    let masks = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| match &pass.scan {
-        PassScan::Exposure(mask) => Some((*name, mask)),
-        PassScan::Heights(_) => None,
-    });
+    let masks = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| Some((*name, pass.scan.mask()?)));
     refuse_pair(trial, &masks.collect::<Vec<_>>(), are_same, "pixels")
 }
 

@@ -15,7 +15,7 @@ use sdf_bake::PixelGrid;
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::{ToolPath, ToolPose};
-use super::super::{ExposureMask, PassScan, Trial};
+use super::super::{ExposureMask, Trial};
 use super::{Names, Surfaces, odds};
 use robot::{Pad, Tool};
 
@@ -48,14 +48,7 @@ struct DwellPositions<'a> {
 /// Refuses masks that contradict the pad's path or each other.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let Tool::Pad(Pad { radius }) = trial.tool.shape else { return Ok(Vec::new()) };
-    let masks: Vec<&ExposureMask> = trial
-        .passes
-        .iter()
-        .filter_map(|pass| match &pass.scan {
-            PassScan::Exposure(mask) => Some(mask),
-            PassScan::Heights(_) => None,
-        })
-        .collect();
+    let masks: Vec<&ExposureMask> = trial.passes.iter().filter_map(|pass| pass.scan.mask()).collect();
     check_order(trial, &masks, names)?;
     let mut notes = Vec::new();
     for (number, mask) in masks.iter().enumerate() {

@@ -122,10 +122,7 @@ impl Surfaces {
 
 /// The ground surface after a pass; `None` for sanding.
 fn ground(pass: &Pass) -> Option<&HeightMap> {
-    match &pass.scan {
-        PassScan::Heights(map) => Some(map),
-        PassScan::Exposure(_) => None,
-    }
+    pass.scan.heights()
 }
 
 /// Result of a check: notes, or the reason for refusal.
