@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use effects::Process;
+use effects::{Process, Signal};
 use trials::trial::Role;
 
 /// Plan of a campaign.
@@ -138,11 +138,11 @@ impl ProcessDefaults {
             feed: 40e-3,
             rpm: 3000.0,
         };
-        match (process, size) {
-            (Process::Grinding, Size::Full) => grinding,
-            (Process::Grinding, Size::Small) => Self { pitch: 0.3e-3, length: [30e-3; 2], width: 14.4e-3, ..grinding },
-            (Process::Sanding, Size::Full) => sanding,
-            (Process::Sanding, Size::Small) => {
+        match (process.signal(), size) {
+            (Signal::Height, Size::Full) => grinding,
+            (Signal::Height, Size::Small) => Self { pitch: 0.3e-3, length: [30e-3; 2], width: 14.4e-3, ..grinding },
+            (Signal::Dose, Size::Full) => sanding,
+            (Signal::Dose, Size::Small) => {
                 Self { length: [60e-3; 2], width: 50e-3, tool_radius: 12e-3, force: 6.0, feed: 20e-3, ..sanding }
             }
         }

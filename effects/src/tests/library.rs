@@ -22,7 +22,9 @@ fn every_file_is_named_after_its_effect_and_has_a_place_of_its_own() {
 #[test]
 fn effects_of_the_user_act_where_they_say_or_else_last() {
     let text = |name: &str, order: &str| {
-        (format!("{name}.toml"), format!("name = \"{name}\"\n{order}\n[modify]\nrate = \"rate * 1\"\n"))
+        let parameter = "[parameters.a]\nunit = \"1\"\nnull = 0\nrange = [0, 1]\ndefault = 0.5";
+        let rate = "[modify]\nrate = \"rate * (1 + a)\"";
+        (format!("{name}.toml"), format!("name = \"{name}\"\n{order}\n{parameter}\n{rate}\n"))
     };
     let own = [text("zeal", "order = 225"), text("alone", ""), text("below", "")];
     let library = Library::builtin().with(&own).unwrap();
