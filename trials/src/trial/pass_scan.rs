@@ -49,6 +49,18 @@ impl PassScan {
         }
     }
 
+    /// The same kind of scan, converted by the function for its content.
+    pub(super) fn converted(
+        &self,
+        heights: impl Fn(&HeightMap) -> HeightMap,
+        exposed: impl Fn(&ExposureMask) -> ExposureMask,
+    ) -> Self {
+        match self {
+            Self::Heights(map) => Self::Heights(heights(map)),
+            Self::Exposure(mask) => Self::Exposure(exposed(mask)),
+        }
+    }
+
     /// Word for its kind in names of files.
     pub fn file_word(&self) -> &'static str {
         match self {

@@ -19,10 +19,7 @@ pub(super) fn coarse(trial: &Trial) -> Cow<'_, Trial> {
     }
     let blocks = Blocks { pixels, side };
     let map = |map: &HeightMap| HeightMap { pixels: blocks.grid(), heights: blocks.means(|at| map.heights[at]) };
-    let scan = |scan: &PassScan| match scan {
-        PassScan::Heights(heights) => PassScan::Heights(map(heights)),
-        PassScan::Exposure(mask) => PassScan::Exposure(blocks.exposed(mask)),
-    };
+    let scan = |scan: &PassScan| scan.converted(map, |mask| blocks.exposed(mask));
     let scans = &trial.scans;
     Cow::Owned(Trial {
         scans: Scans {
