@@ -1,7 +1,7 @@
 //! The numbers that decide: every threshold, level, number of draws and prior of the laboratory, declared once.
 //!
-//! A number stands here if another value of it could change what is found, named or said. Not here: constants of nature,
-//! nominal values that a table leaves open, and dampings and lengths of iterations that end at the same place.
+//! A number stands here if another value of it could change what is found, named or said. Not here: constants of
+//! nature, nominal values that a table leaves open, and dampings and lengths of iterations that end at the same place.
 //! The modules use these constants and keep no copies. [`CRITERIA`] lists them; every result holds their values
 //! ([`CriterionValues`]), and `docs/diagnosis.md` shows the list.
 
@@ -31,368 +31,367 @@ const LAST: &[Criterion] =
 criteria! {
     OF_METHOD;
     // Measurements as data.
-    /// Fewest pixels along the side of a tile.
+    /// Minimum side length of a tile.
     TILE_LEAST_SIDE: usize = 3, "px", "chosen";
-    /// Most tiles of a scan: their covariance is a dense matrix.
+    /// Maximum number of tiles per scan; their covariance is a dense matrix.
     TILES_PER_SCAN: usize = 1000, "1", "chosen";
-    /// Share of a tile's pixels that must be known.
+    /// Minimum share of a tile's pixels that must be known.
     TILE_KNOWN_SHARE: f64 = 0.4, "1", "chosen";
-    /// Deviation of a tile's mean, in robust standard deviations, beyond which it counts no more for the noise.
-    NOISE_CUT_SIGMAS: f64 = 4.0, "σ", "derived: one in 16,000 of normal means is cut";
-    /// Share of the known tiles that blocks without holes must cover for their noise to be fitted.
-    NOISE_BLOCK_SHARE: f64 = 0.5, "1", "chosen: the most likely noise of half of the surface";
-    /// Tiles along and across that share a block when residuals are drawn again.
+    /// Deviation of a tile's mean, in standard deviations, at which it is clipped for the noise estimate.
+    NOISE_CUT_SIGMAS: f64 = 4.0, "σ", "derived: one in 16,000 normally distributed means is clipped";
+    /// Minimum share of the known tiles that blocks without holes cover, for a fit of the noise model.
+    NOISE_BLOCK_SHARE: f64 = 0.5, "1", "chosen: the maximum-likelihood noise of half of the surface";
+    /// Side of a block of tiles whose residuals may be correlated and are resampled together, in tiles.
     TILE_BLOCK_SIDE: usize = 4, "1", "chosen";
-    /// Steps beyond which a simulation is abandoned, over those of the base model's longest pass.
+    /// Number of steps above which a simulated pass is abandoned, relative to the base model's longest pass.
     SIMULATION_STEP_RATIO: usize = 3, "1", "chosen";
-    /// Fewest steps that the base model's longest pass counts as, for the limit of a simulation.
+    /// Minimum step count assumed for the base model's longest pass in the step limit of a simulated pass.
     SIMULATION_LEAST_STEPS: usize = 1000, "1", "chosen";
-    /// Largest voxel of the simulation when sanding.
+    /// Maximum voxel size of a sanding simulation.
     SANDING_VOXEL_PIXELS: f64 = 4.0, "px",
         "chosen; measured: borders move by about a tenth of a pixel (docs/diagnosis.md, Limits)";
-    /// Voxels across half the tool that a simulation of sanding aims at.
+    /// Target number of voxels across half the tool in a sanding simulation.
     SANDING_VOXELS_ACROSS: f64 = 16.0, "1", "chosen";
     /// Prior standard deviation of a scan's height.
     POSE_HEIGHT_SIGMA: f64 = 50e-6, "m", "chosen";
-    /// Prior standard deviation of a scan's tilt, as the height that it gives at the map's half diagonal.
+    /// Prior standard deviation of a scan's tilt, as the height change over half the map's diagonal.
     POSE_TILT_SIGMA: f64 = 50e-6, "m", "chosen";
     /// Prior standard deviation of a scan's lateral shift.
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
-    /// Prior standard deviation of when a controller took over, before the first row in contact, in rows of the log.
-    PASS_BEGIN_SIGMA: f64 = 0.577, "1", "derived: root mean square of a uniform law over the row before";
-    /// Prior standard deviation of when a tool was lifted off, in rows of the log.
-    PASS_END_SIGMA: f64 = 0.289, "1", "derived: uniform law over a row";
-    /// Error of a tile's mean by what its lattice does not tell, over the noise, above which it is a rim.
-    RIM_NOISE_SHARE: f64 = 0.25, "σ", "chosen: of the variance of the other tiles at most a sixteenth is the lattice";
-    /// Removed depth at which the noise of the scan before has fallen to 1/e, in tile sigmas, until it is measured.
+    /// Prior standard deviation of the controller's start before the first row in contact, in rows of the log.
+    PASS_BEGIN_SIGMA: f64 = 0.577, "1", "derived: root mean square of a uniform distribution over the previous row";
+    /// Prior standard deviation of the time at which the tool was lifted off, in rows of the log.
+    PASS_END_SIGMA: f64 = 0.289, "1", "derived: uniform distribution over a row";
+    /// Ratio of the lattice error of a tile's mean to the noise, above which the tile is a rim.
+    RIM_NOISE_SHARE: f64 = 0.25, "σ", "chosen: at most a sixteenth of the other tiles' variance is lattice error";
+    /// Initial guess of the removed depth at which the first scan's noise falls to 1/e, relative to the tile noise.
     SCAN_NOISE_DECAY_SIGMAS: f64 = 3.0, "σ", "chosen: a first guess, replaced by a simulation from the repeated scan";
-    /// Change of height from which a pixel counts as changed and the instrument blurs it again.
+    /// Height change above which a pixel counts as changed and the instrument's blur is applied to it.
     CHANGED_HEIGHT: f64 = 2e-6, "m", "chosen";
-    /// Widest blur of the instrument that is fitted.
+    /// Maximum standard deviation of the instrument's fitted blur.
     BLUR_WIDEST: f64 = 2.0, "px", "chosen";
-    /// Distance from the exposed border within which a tile shows its distance, over the tool's half width.
+    /// Maximum distance from the exposed border that a tile measures, relative to the tool's half width.
     BORDER_REACH: f64 = 0.5, "half widths", "chosen";
-    /// Pixels around one whose majority says whether it is exposed.
+    /// Half side of the square of pixels whose majority decides if its central pixel is exposed.
     BORDER_MAJORITY_RADIUS: i64 = 2, "px", "chosen";
-    /// Least scatter of the exposed border as single pixels show it.
-    BORDER_SCATTER_LEAST: f64 = 0.3, "px", "chosen: a mask shows no more, and the simulation has a lattice of its own";
-    /// Least standard deviation of the border's mean place along one tile.
-    BORDER_TILE_ERROR_LEAST: f64 = 0.5, "px",
-        "chosen: a mask shows no more, and the simulation has a lattice of its own";
-    /// Least noise floor of the border's place.
+    /// Minimum scatter of the exposed border, estimated from single pixels.
+    BORDER_SCATTER_LEAST: f64 = 0.3, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
+    /// Minimum standard deviation of the border's mean position along one tile.
+    BORDER_TILE_ERROR_LEAST: f64 = 0.5, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
+    /// Minimum noise floor of the border's position.
     BORDER_FLOOR_LEAST: f64 = 0.5, "px",
-        "chosen: one pixel shows no more about the place of a border (docs/diagnosis.md, step 3)";
-    /// Errors of dose and coating together, over those of the dose alone.
+        "chosen: one pixel does not determine a border's position better (docs/diagnosis.md, step 3)";
+    /// Ratio of the combined error of dose and coating to the error of the dose alone.
     COATING_ERROR_RATIO: f64 = 2.0, "1",
-        "chosen: a coating is no more even than a dose is known (docs/diagnosis.md, step 3)";
+        "chosen: a coating is no more uniform than the dose is accurate (docs/diagnosis.md, step 3)";
     /// Prior standard deviation of the logarithm of a group's gain.
     GROUP_GAIN_SIGMA: f64 = 1.0, "1", "chosen";
-    /// Most rows in a block when residuals are drawn again.
+    /// Maximum number of rows in a block whose residuals may be correlated and are resampled together.
     ROW_BLOCK_LENGTH: usize = 5, "1", "chosen";
-    /// Fewest blocks into which rows are cut.
-    ROW_BLOCKS_LEAST: usize = 10, "1", "derived: their signs have more combinations than are drawn, 2¹⁰ and 400";
-    /// Share of the median removal below which the prediction of a row counts as that share.
+    /// Minimum number of blocks into which rows are divided.
+    ROW_BLOCKS_LEAST: usize = 10, "1", "derived: their signs have 2¹⁰ combinations, more than the 400 that are drawn";
+    /// Lower limit of a row's predicted removal, relative to the median removal.
     PREDICTION_LEAST_SHARE: f64 = 1e-3, "1", "chosen";
-    /// Whitened residual from which a row is an outlier.
+    /// Absolute whitened residual above which a row is an outlier.
     OUTLIER_SIGMAS: f64 = 5.0, "σ", "chosen";
-    /// Residual of a row, in robust standard deviations of all, beyond which covariates leave it out.
+    /// Deviation from the median residual, in robust standard deviations, above which covariates exclude a row.
     GROSS_RESIDUAL_SIGMAS: f64 = 5.0, "σ", "chosen";
-    /// Logarithm of a ratio of settings below which they are equal.
+    /// Absolute logarithm of the ratio of two settings below which they count as equal.
     SAME_SETTING: f64 = 0.01, "1", "chosen";
-    /// Logarithm of a ratio of loads below which they are equal: they may be means and follow the part's shape.
+    /// Absolute log ratio of two loads below which they count as equal: they may be means that follow the part's shape.
     SAME_LOAD: f64 = 0.05, "1", "chosen";
-    /// Pairs of equal rows from which the noise of a row comes from repeats alone.
+    /// Minimum number of pairs of rows for an estimate of the row noise from their differences.
     REPEATS_LEAST: usize = 20, "1", "chosen";
-    /// Least noise of the logarithm of a row's removal.
+    /// Minimum noise of the logarithm of a row's removal.
     ROW_NOISE_LEAST: f64 = 1e-3, "1", "chosen";
-    /// Degrees of freedom from which outliers are left out of the noise of rows: a median of fewer is no scale.
+    /// Minimum degrees of freedom for excluding outliers from the row noise: a median of fewer is not a reliable scale.
     ROW_NOISE_ROBUST_LEAST: usize = 10, "1", "chosen";
-    /// Rows for each column of a regression from which squares of the settings are among the columns.
+    /// Minimum number of rows per column for a regression that includes squares of the settings.
     ROW_SQUARES_LEAST: usize = 3, "1", "chosen";
-    /// Levels of a setting from which its square is: on three, a parabola is a gain of each level.
-    ROW_SQUARE_LEVELS_LEAST: usize = 5, "1", "chosen: two more than a parabola has parameters";
-    /// Deviation beyond which a row counts linearly in the regression behind its noise.
-    ROW_REGRESSION_CUT: f64 = 1.345, "σ", "convention: 95 % efficiency where the errors are normal (Huber 1964)";
-    /// Change of the logarithm of a prediction below which an effect or parameter changes nothing in a table.
+    /// Minimum number of levels of a setting for its square: on three levels, a parabola fits any values.
+    ROW_SQUARE_LEVELS_LEAST: usize = 5, "1", "chosen: two more than the parameters of a parabola";
+    /// Residual above which Huber's loss is linear in the regression that estimates the row noise.
+    ROW_REGRESSION_CUT: f64 = 1.345, "σ", "convention: 95 % efficiency for normal errors (Huber 1964)";
+    /// Change of the logarithm of predictions below which an effect or parameter has no influence on a table.
     PREDICTION_CHANGE_LEAST: f64 = 1e-6, "1", "chosen";
-    /// Factor from a table's rate constant to its bounds.
+    /// Factor between a table's initial rate constant and each of its bounds.
     RATE_RANGE_FACTOR: f64 = 1e3, "1", "chosen";
-    /// Factor from the greatest use of a tool in a table to the bounds of what effects compare it with.
-    SPAN_RANGE_FACTOR: f64 = 30.0, "1", "chosen: use of a thirtieth changes 3 %, use of thirty leaves e⁻³⁰";
-    /// Greatest change of the logarithm of the rate over the range of a column.
-    COLUMN_CHANGE_MOST: f64 = 4.6, "1", "chosen: a hundredfold";
-    /// Such a change that is tried first.
+    /// Factor between a tool's greatest use in a table and the bounds of parameters that are compared with it.
+    SPAN_RANGE_FACTOR: f64 = 30.0, "1", "chosen: a ratio of use to parameter of 1/30 changes 3 %, of 30 leaves e⁻³⁰";
+    /// Maximum change of the logarithm of the rate over the range of a column.
+    COLUMN_CHANGE_MOST: f64 = 4.6, "1", "chosen: a factor of 100";
+    /// Change of the logarithm of the rate over the range of a column that is used as the first probe.
     COLUMN_CHANGE_TYPICAL: f64 = 0.1, "1", "chosen";
-    /// Correlation of the changes of two effects in the rows of a table from which they are one and the same.
+    /// Absolute correlation of two effects' changes of the rows of a table above which they are the same effect.
     SAME_RESPONSE: f64 = 0.999, "1", "chosen";
     // Fits.
-    /// Residual beyond which it counts linearly in the sum of squares.
-    HUBER_CONSTANT: f64 = 2.5, "σ", "chosen; the loss: Huber 1964";
-    /// Δχ², over χ² per datum where that is above one, below which a promised step ends a fit.
+    /// Absolute residual above which the robust loss is linear instead of quadratic.
+    HUBER_CONSTANT: f64 = 2.5, "σ", "chosen; loss: Huber 1964";
+    /// Convergence tolerance of a fit: predicted Δχ² of a step, relative to χ² per datum where that exceeds one.
     FIT_CONVERGED_DELTA_CHI2: f64 = 0.05, "1", "derived: a fifth of a standard deviation";
-    /// Times that the derivatives of a calibration are made.
+    /// Maximum number of derivative computations in a calibration.
     FIT_DERIVATIVES: usize = 8, "1", "chosen";
-    /// Most steps of a calibration.
+    /// Maximum number of steps in a calibration.
     FIT_STEPS: usize = 25, "1", "chosen";
-    /// Times that derivatives are made by a fit that only finds the place for the next.
+    /// Maximum number of derivative computations in a rough fit.
     ROUGH_FIT_DERIVATIVES: usize = 2, "1", "chosen";
-    /// Most steps of a fit that only finds the place for the next.
+    /// Maximum number of steps in a rough fit.
     ROUGH_FIT_STEPS: usize = 8, "1", "chosen";
-    /// Times that derivatives are made where a fit goes on after its data were seen better.
+    /// Maximum number of derivative computations in a fit that continues after its data were refined.
     RENEWED_FIT_DERIVATIVES: usize = 2, "1", "chosen: along the principal directions";
-    /// Most steps of a fit that goes on after its data were seen better.
+    /// Maximum number of steps in a fit that continues after its data were refined.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
-    /// χ² per datum above which a calibration starts again from both sides of its end.
-    RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: three times the tenth by which noise from one repeat errs";
-    /// Most of the fits begun elsewhere that go on after a rough start.
+    /// χ² per datum above which a fit is restarted from other values.
+    RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: one plus three times the error of noise from one repeat, 0.1";
+    /// Maximum number of rough restarts of a calibration that are completed.
     RESTARTS_FITTED: usize = 2, "1", "chosen";
-    /// Factor on a ratio of the base laws from one start of their fit to the next.
-    START_RATIO: f64 = 10.0, "1", "chosen: an order of magnitude; the library's ranges have two to five";
-    /// Error of the logarithm of the totals at which the rate of a start is found.
+    /// Factor by which a log-scale law parameter other than the rate is multiplied or divided for other starts.
+    START_RATIO: f64 = 10.0, "1", "chosen: an order of magnitude; the library's ranges span two to five";
+    /// Tolerance of the mean log ratio of measured to predicted totals for the rate of a start.
     START_RATE_TOLERANCE: f64 = 0.01, "1", "chosen: a step of the fit that follows";
-    /// Way from the end of a calibration to where it starts again along the softest direction.
+    /// Largest coordinate change from a fit's result to its restarts along the least determined direction.
     RESTART_DISTANCE: f64 = 0.4, "coordinates", "chosen";
-    /// Change of all whitened data together that a finite difference aims at.
-    DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ", "chosen: above the simulation's own unevenness (docs/diagnosis.md, step 4)";
-    /// Change below which the difference is made again over a longer step.
+    /// Target norm of the change of the whitened data over a finite-difference step.
+    DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ", "chosen: above the numerical noise (docs/diagnosis.md, step 4)";
+    /// Norm of the data's change below which a finite difference is repeated with a longer step.
     DERIVATIVE_CHANGE_LEAST: f64 = 8.0, "σ",
-        "measured: simulations that differ by nothing of weight differ by 2 (docs/diagnosis.md, step 4)";
-    /// Change above which the difference is made again over a shorter step.
+        "measured: simulations without a significant difference differ by 2 (docs/diagnosis.md, step 4)";
+    /// Norm of the data's change above which a finite difference is repeated with a shorter step.
     DERIVATIVE_CHANGE_MOST: f64 = 60.0, "σ", "chosen";
-    /// Share of the whole misfit that a difference may change where that is more.
+    /// Ratio of the change's norm to √χ² up to which a finite difference is kept, where that limit is larger.
     DERIVATIVE_CHANGE_SHARE: f64 = 0.3, "1", "chosen";
-    /// Longest step of a finite difference.
+    /// Maximum finite-difference step.
     DERIVATIVE_LONGEST_STEP: f64 = 0.5, "coordinates", "chosen";
-    /// Times as far from its null, or factor on both ends on a scale of ratios, that an effect's parameter may go beyond its range.
-    RANGE_EXTENSION: f64 = 3.0, "1", "chosen: the library's ranges are what was seen elsewhere";
-    /// The same for a parameter of a base law, which every campaign has.
-    LAW_RANGE_EXTENSION: f64 = 27.0, "1", "chosen: three times threefold";
-    /// Way from a bound, over the width of the range, up to which a value lies on it.
+    /// Factor by which a fit may exceed an effect's range: of the distance from the null, or of both log-scale ends.
+    RANGE_EXTENSION: f64 = 3.0, "1", "chosen: the library's ranges are values observed elsewhere";
+    /// Factor by which a fit may exceed the range of a parameter of a base law, which every campaign has.
+    LAW_RANGE_EXTENSION: f64 = 27.0, "1", "chosen: a factor of three, three times";
+    /// Distance from a bound, relative to the width of the range, up to which a value lies on the bound.
     BOUND_SHARE: f64 = 1e-3, "1", "chosen";
-    /// Error of the logarithm of the totals at which the staged order has found the rate.
+    /// Tolerance of the mean log ratio of measured to predicted totals for the rate in the staged order.
     STAGED_RATE_TOLERANCE: f64 = 1e-4, "1", "chosen";
     /// Half width of a 95 % interval.
-    INTERVAL_SIGMAS: f64 = 1.96, "σ", "convention: normal law";
-    /// Half width of an interval, over its range, beyond which a parameter is not identifiable.
+    INTERVAL_SIGMAS: f64 = 1.96, "σ", "convention: normal distribution";
+    /// Ratio of an interval's half width to the parameter's range above which the parameter is not identifiable.
     NOT_IDENTIFIABLE_SHARE: f64 = 0.5, "1", "chosen: the interval is as wide as the range (docs/calibration.md)";
-    /// Correlation of two parameters from which it is put into words.
+    /// Minimum absolute correlation of two parameters that is reported in a sentence.
     STRONG_CORRELATION: f64 = 0.95, "1", "chosen";
-    /// Residual, in robust standard deviations, beyond which it counts no more for the spread of all.
+    /// Absolute residual, in robust standard deviations, at which residuals are clipped for their spread.
     SPREAD_CUT_SIGMAS: f64 = 3.0, "σ", "chosen";
     // First look at effects.
-    /// Ratio of greatest to least value from which a parameter's range is wide.
+    /// Ratio of a log-scale range's upper end to its lower end above which the range is wide.
     PROBE_WIDE_RATIO: f64 = 100.0, "1", "chosen";
-    /// Place of the lower value tried in a range that is not wide, as a share of its logarithm.
+    /// Lower probe in a range that is not wide, as a fraction of the logarithmic range.
     PROBE_NARROW_LOW: f64 = 0.35, "1", "chosen";
-    /// Place of the upper value tried in a range that is not wide, as a share of its logarithm.
+    /// Upper probe in a range that is not wide, as a fraction of the logarithmic range.
     PROBE_NARROW_HIGH: f64 = 0.65, "1", "chosen";
-    /// Place of the lowest value tried in a wide range, as a share of its logarithm.
+    /// Lowest probe in a wide range, as a fraction of the logarithmic range.
     PROBE_WIDE_LOW: f64 = 0.25, "1", "chosen";
-    /// Place of the middle value tried in a wide range, as a share of its logarithm.
+    /// Middle probe in a wide range, as a fraction of the logarithmic range.
     PROBE_WIDE_MIDDLE: f64 = 0.5, "1", "chosen";
-    /// Place of the highest value tried in a wide range, as a share of its logarithm.
+    /// Highest probe in a wide range, as a fraction of the logarithmic range.
     PROBE_WIDE_HIGH: f64 = 0.75, "1", "chosen";
-    /// Place in its range of the lower value tried of a parameter of shape.
+    /// Lower probe of a shape parameter, as a fraction of its range.
     PROBE_SHAPE_LOW: f64 = 0.25, "1", "chosen";
-    /// Place in its range of the upper value tried of a parameter of shape.
+    /// Upper probe of a shape parameter, as a fraction of its range.
     PROBE_SHAPE_HIGH: f64 = 0.6, "1", "chosen";
-    /// Share of a range that stands for a typical value where the library gives the null.
+    /// Distance of the probe from the null, relative to the range, where the library's default is the null.
     PROBE_TYPICAL_SHARE: f64 = 0.1, "1", "chosen";
-    /// Change of all whitened data together, beside the base parameters, that a simulated size should make.
+    /// Target norm of a probe's change of the whitened data, without the part that base parameters compensate.
     PROBE_CHANGE_SIGMAS: f64 = 12.0, "σ",
-        "chosen: a far larger change bends away from small effects, a smaller one from large";
-    /// Change that a simulated size should make where that is more, over the base fit's residuals.
+        "chosen: a far larger change is not linear down to small effects, a smaller one not up to large ones";
+    /// Ratio of a probe's target change to the norm of the base fit's residuals, used where it is larger.
     PROBE_CHANGE_SHARE: f64 = 0.5, "1", "chosen";
-    /// Ratio by which a simulated size may miss that change before another one is simulated.
+    /// Ratio of the closest probe's change to its target, or the inverse, from which another probe is simulated.
     PROBE_MISS_RATIO: f64 = 3.0, "1", "chosen";
-    /// Least way between two simulated sizes, over that from the null.
+    /// Minimum distance of a new probe from another, relative to the other's distance from the null.
     PROBE_LEAST_DISTANCE: f64 = 0.2, "1", "chosen";
-    /// Larger sizes that are simulated where the data ask for them.
+    /// Maximum number of additional larger probes where the data require them.
     LARGER_PROBES: usize = 3, "1", "chosen";
-    /// Largest ratio of such a larger size to the one before.
+    /// Maximum ratio of a larger probe to the one from which it is extrapolated.
     LARGER_PROBE_RATIO: f64 = 4.0, "1", "chosen";
-    /// Expected Δχ² from which a larger size is simulated.
+    /// Minimum expected Δχ² for which a larger probe is simulated.
     LARGER_PROBE_DELTA_CHI2: f64 = 16.0, "1", "chosen";
-    /// Ratio to a simulated size up to which its change is extrapolated.
+    /// Maximum ratio of a size to a probe for a linear extrapolation of the probe's change.
     EXTRAPOLATION_MOST: f64 = 1.5, "1", "chosen";
-    /// Share of an effect's change that must be left beside the base parameters: less is rounding.
+    /// Minimum share of an effect's change that base parameters do not compensate: less is rounding error.
     DISTINCT_CHANGE_SHARE: f64 = 1e-3, "1", "chosen";
-    /// Change of the base parameters' making, when they follow an effect, from which both are simulated together.
+    /// Minimum norm of the change that base parameters compensate, for which both are simulated together.
     FOLLOWED_SIGMAS: f64 = 12.0, "σ", "chosen";
-    /// Times that an effect and the base parameters that follow it are simulated together.
+    /// Maximum number of simulations of an effect together with compensating base parameters.
     FOLLOWED_STEPS: usize = 2, "1", "chosen";
-    /// Share of the best shape's expected Δχ² from which another shape is fitted too.
+    /// Minimum ratio of another shape's expected Δχ² to that of the best shape for a fit from both.
     SHAPE_GAIN_SHARE: f64 = 0.3, "1", "chosen";
     // Fits of effects and of pairs.
-    /// Expected Δχ² up to which an effect is not fitted.
+    /// Expected Δχ² above which an effect may be fitted.
     FITTED_DELTA_CHI2: f64 = 4.0, "1", "chosen";
-    /// Most promising effects that are fitted.
+    /// Maximum number of effects that are fitted, in descending order of expected Δχ².
     EFFECTS_FITTED: usize = 9, "1", "chosen";
-    /// Best effects that are fitted until they converge.
+    /// Maximum number of effects whose quick fit is refined, the best first.
     EFFECTS_REFINED: usize = 4, "1", "chosen";
-    /// Starts of an effect that has a parameter of shape.
+    /// Maximum number of starts of the fit of an effect with a shape parameter.
     STARTS_PER_EFFECT: usize = 2, "1", "chosen";
-    /// Share of the best effect's Δχ² from which another is fitted until it converges.
+    /// Minimum ratio of an effect's Δχ² to that of the best effect for a refined fit.
     REFINED_GAIN_SHARE: f64 = 0.3, "1", "chosen";
-    /// Share of the best effect's Δχ² that a fit that did not converge needs to go on.
+    /// Minimum ratio of an effect's Δχ² to that of the best effect for the final fit after one without convergence.
     LAST_FIT_GAIN_SHARE: f64 = 0.7, "1", "chosen";
-    /// Δχ² from which a fit goes on that did not converge, or that is within as much of the best, times what that leaves per datum.
+    /// Minimum Δχ² for a final fit; times the best fit's residual variance, also the maximum χ² above the best.
     LAST_FIT_DELTA_CHI2: f64 = 40.0, "1", "chosen";
-    /// Times that derivatives are made in the first fit of an effect or a pair.
+    /// Maximum number of derivative computations in the quick first fit of an effect or a pair.
     QUICK_FIT_DERIVATIVES: usize = 0, "1", "chosen";
-    /// Most steps of the first fit of an effect or a pair.
+    /// Maximum number of steps in the quick first fit of an effect or a pair.
     QUICK_FIT_STEPS: usize = 6, "1", "chosen";
-    /// Times that derivatives are made in the fit until convergence.
+    /// Maximum number of derivative computations in a refined fit.
     REFINED_FIT_DERIVATIVES: usize = 2, "1", "chosen";
-    /// Most steps of the fit until convergence.
+    /// Maximum number of steps in a refined fit.
     REFINED_FIT_STEPS: usize = 12, "1", "chosen";
-    /// Times that derivatives are made in the fit that goes on.
+    /// Maximum number of derivative computations in a final fit.
     LAST_FIT_DERIVATIVES: usize = 3, "1", "chosen";
-    /// Most steps of the fit that goes on.
+    /// Maximum number of steps in a final fit.
     LAST_FIT_STEPS: usize = 18, "1", "chosen";
-    /// Times that derivatives are made in the fit of an effect beside a certain one.
+    /// Maximum number of derivative computations in the fit of an effect together with a dominant one.
     PARTNER_FIT_DERIVATIVES: usize = 1, "1", "chosen";
-    /// Most steps of the fit of an effect beside a certain one.
+    /// Maximum number of steps in the fit of an effect together with a dominant one.
     PARTNER_FIT_STEPS: usize = 8, "1", "chosen";
-    /// Most promising pairs of effects that are fitted.
+    /// Maximum number of pairs of effects that are fitted, in ascending order of expected χ².
     PAIRS_FITTED: usize = 9, "1", "chosen";
-    /// Best pairs that are fitted until they converge.
+    /// Maximum number of pairs whose quick fit is refined, the best first.
     PAIRS_REFINED: usize = 2, "1", "chosen";
-    /// Most pairs that are fitted with the same stronger half.
+    /// Maximum number of fitted pairs with the same leading effect.
     PAIRS_PER_LEAD: usize = 3, "1", "chosen";
-    /// Share of χ² below which a certain effect must bring it for others to be fitted beside it.
+    /// Ratio of χ² with an effect to χ² of the base model below which the effect may be dominant.
     LEAD_CHI2_SHARE: f64 = 0.5, "1", "chosen";
-    /// Best effects beside a certain one that are fitted until they converge.
+    /// Maximum number of pairs with a dominant effect whose fit is refined.
     PARTNERS_REFINED: usize = 4, "1", "chosen";
-    /// Squared sine of the angle between two changes up to which they are the same.
+    /// Squared sine of the angle between two changes up to which they are collinear.
     PAIR_SINE_SQUARED: f64 = 1e-3, "1", "chosen";
     // p-values and probabilities.
-    /// Probability of a false alarm of a search, of all residual tests together, or of all covariates together.
+    /// Family-wise significance level of a search, of all residual tests, and of all covariates.
     SIGNIFICANCE_LEVEL: f64 = 0.05, "1", "convention; corrections: Holm 1979, Westfall and Young 1993";
-    /// Draws of residuals with flipped signs behind the p-value of an effect.
-    SIGN_FLIP_DRAWS: u64 = 400, "1", "chosen; the method: Wu 1986";
-    /// Share of the largest singular value up to which changes of an effect's amplitudes depend on each other.
+    /// Number of sign-flip draws of the residuals for the p-value of an effect.
+    SIGN_FLIP_DRAWS: u64 = 400, "1", "chosen; method: Wu 1986";
+    /// Singular value, relative to the largest, up to which changes by an effect's sizes are linearly dependent.
     DEPENDENT_SHARE: f64 = 1e-3, "1", "chosen";
-    /// Fewest folds into which calibration scans are cut: stretches of their passes.
-    FOLDS_LEAST: usize = 16, "1", "chosen: tens of folds, as of data that are left out in the literature";
-    /// Draws of the folds' weights behind the probabilities of models.
-    FOLD_WEIGHT_DRAWS: usize = 1000, "1", "convention: a thousand; the method: Yao and others 2018";
-    /// Hats of the closure along the part.
-    CLOSURE_PART_ALONG: usize = 13, "1", "chosen: their width is a sixth of the way";
-    /// Hats of the closure across the part.
-    CLOSURE_PART_ACROSS: usize = 4, "1", "chosen: their width is two thirds of what was touched";
-    /// Hats of the closure along each pass.
-    CLOSURE_PASS_ALONG: usize = 6, "1", "chosen: their width is two fifths of the way";
-    /// Hats of the closure across each pass.
-    CLOSURE_PASS_ACROSS: usize = 3, "1", "chosen: their width is what was touched";
-    /// Least strength of the closure that is tried, as a share of the removal.
-    CLOSURE_STRENGTH_LEAST: f64 = 0.001, "1", "chosen: below what noise lets any scan show";
-    /// Ratio of a strength of the closure to the one before.
+    /// Minimum number of folds of the calibration scans; a fold is a stretch of a pass.
+    FOLDS_LEAST: usize = 16, "1", "chosen: tens of folds, as in cross-validation in the literature";
+    /// Number of bootstrap draws of the fold weights for the probabilities of models.
+    FOLD_WEIGHT_DRAWS: usize = 1000, "1", "convention: a thousand; method: Yao and others 2018";
+    /// Hat functions of the closure along the part.
+    CLOSURE_PART_ALONG: usize = 13, "1", "chosen: their width is a sixth of the touched length";
+    /// Hat functions of the closure across the part.
+    CLOSURE_PART_ACROSS: usize = 4, "1", "chosen: their width is two thirds of the touched width";
+    /// Hat functions of the closure along each pass.
+    CLOSURE_PASS_ALONG: usize = 6, "1", "chosen: their width is two fifths of the touched length";
+    /// Hat functions of the closure across each pass.
+    CLOSURE_PASS_ACROSS: usize = 3, "1", "chosen: their width is the touched width";
+    /// Minimum strength of the closure that is tried, relative to the removal.
+    CLOSURE_STRENGTH_LEAST: f64 = 0.001, "1", "chosen: below the strength that noise allows any scan to resolve";
+    /// Ratio of successive strengths of the closure.
     CLOSURE_STRENGTH_RATIO: f64 = 2.0, "1", "chosen";
-    /// Strengths of the closure that are tried.
+    /// Number of strengths of the closure that are tried.
     CLOSURE_STRENGTHS: i32 = 10, "1", "chosen: up to half of the removal";
-    /// Probability that none of the effects is the cause from which none is named.
+    /// Probability that none of the effects is the cause, at or above which no effect is named.
     NONE_MOST: f64 = 0.5, "1", "derived: even odds";
-    /// Probability from which an effect is named alone.
-    NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: nine to one";
-    /// Most probability of an effect that cannot be named alone, whatever it fits.
-    RESERVED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, for nothing tests it";
-    /// Share of what a model leaves beyond noise from which the effect that explains it is reported as the nearest.
+    /// Minimum probability for naming an effect alone.
+    NAMED_PROBABILITY: f64 = 0.9, "1", "chosen: odds of nine to one";
+    /// Maximum probability of an effect that cannot be named alone, however well it fits.
+    RESERVED_PROBABILITY: f64 = 0.5, "1", "chosen: even odds, because nothing tests it";
+    /// Minimum share of the excess χ² that an effect must explain to be reported as the nearest.
     NEAREST_SHARE: f64 = 0.1, "1", "chosen";
-    /// Odds that the value of an effect's parameter lies within what the library lists, and is the same in all passes.
-    LISTED_ODDS: f64 = 19.0, "1", "chosen: the library's ranges hold 95 % of what is met";
-    /// Effects that may be found one after the other.
+    /// Prior odds that a parameter of an effect lies within the library's range and is the same in all passes.
+    LISTED_ODDS: f64 = 19.0, "1", "chosen: the library's ranges contain 95 % of the values that occur";
+    /// Maximum number of effects that are found one after the other.
     MOST_EFFECTS: usize = 3, "1", "chosen";
-    /// Relative distance up to which an amplitude on a scale of ratios is at its null.
+    /// Relative distance from the range's end at the null up to which a log-scale size is at the null.
     NULL_RATIO: f64 = 0.01, "1", "chosen";
-    /// Distance from the null, over the width of the range, below which an amplitude on a linear scale is there.
+    /// Distance from the null, relative to the width of the range, below which a linear-scale size is at the null.
     NULL_SHARE: f64 = 1e-6, "1", "chosen";
-    /// Relative distance from the end of its range up to which an amplitude hits its upper bound.
+    /// Relative distance from an end of its range other than the null up to which a size is on that bound.
     FAR_END_RATIO: f64 = 1e-3, "1", "chosen";
     // Sizes and verdicts.
-    /// Smooth error of a simulated scan, over the mean removal.
+    /// Smooth error of a simulated scan, relative to the mean removal.
     SMOOTH_ERROR_REMOVAL: f64 = 0.001, "1",
-        "measured: another laboratory's scans show it of the law that made them (docs/diagnosis.md, Limits)";
-    /// Smooth error of a simulated border of what is exposed, over the way on which dose and coating may err.
+        "measured: error of the law that made another laboratory's scans (docs/diagnosis.md, Limits)";
+    /// Smooth error of a simulated exposed border, relative to the distance that replaces the removal.
     SMOOTH_ERROR_EXPOSURE: f64 = 0.0025, "1",
-        "measured: another laboratory's masks show it of the law that made them (docs/diagnosis.md, Limits)";
-    /// Error of a simulated pass as a whole, over its smooth error.
+        "measured: error of the law that made another laboratory's masks (docs/diagnosis.md, Limits)";
+    /// Ratio of the error common to all tiles of a simulated pass to its smooth error.
     SMOOTH_ERROR_PASS: f64 = 1.5, "1",
-        "chosen: another laboratory's removed volumes scatter by 0.14 and 0.21 % about the law that made them, 0.1 % of it noise";
-    /// Least size of an effect that is named, over the smooth error.
-    EFFECT_SIZE_SMOOTH: f64 = 2.0, "1", "chosen: an effect is no smaller than what the simulation itself may err by";
-    /// Least size of an effect that is named, over the noise floor.
-    EFFECT_SIZE_FLOOR: f64 = 0.1, "1", "derived: less changes the error by under half a percent";
-    /// Change of all whitened data together that is detected in four cases of five.
+        "chosen: another laboratory's removed volumes scatter by 0.14 and 0.21 % about their law, 0.1 % of it noise";
+    /// Minimum size of a named effect, relative to the smooth error.
+    EFFECT_SIZE_SMOOTH: f64 = 2.0, "1", "chosen: a smaller effect may be an error of the simulation itself";
+    /// Minimum size of a named effect, relative to the noise floor; the larger limit applies.
+    EFFECT_SIZE_FLOOR: f64 = 0.1, "1", "derived: a smaller effect changes the error by less than half a percent";
+    /// Norm of the change of the whitened data that is detected with a power of 80 %.
     DETECTABLE_SIGMAS: f64 = 3.8, "σ",
         "derived: one-sided level of 5 % over thirty effects, 2.94 σ, and a power of 80 %, 0.84 σ";
-    /// Share of the effects that must be detectable for a verdict that nothing is missing.
+    /// Minimum share of the effects that must be detectable for the verdict that nothing is missing.
     TESTABLE_SHARE: f64 = 0.5, "1", "chosen";
-    /// Unexplained residual, over the mean removal, beyond which something is missing.
+    /// Threshold of the unexplained residual for a missing effect, relative to the mean removal.
     UNEXPLAINED_REMOVAL: f64 = 0.01, "1", "chosen";
-    /// Unexplained residual, over the noise, beyond which something is missing.
+    /// Threshold of the unexplained residual for a missing effect, relative to the noise; the larger one applies.
     UNEXPLAINED_NOISE: f64 = 0.6, "1", "chosen";
-    /// Unexplained residual of held-out data, over the mean removal, beyond which a model misses them.
-    HELD_OUT_REMOVAL: f64 = 0.02, "1", "chosen: errors of the parameters come on top of those of the simulation";
-    /// Unexplained residual of held-out data, over the noise, beyond which a model misses them.
-    HELD_OUT_NOISE: f64 = 1.5, "1", "chosen: errors of the parameters come on top of those of the simulation";
-    /// Rise of the unexplained residual of held-out data, over the mean removal, that an admissible effect may bring.
+    /// Unexplained residual of held-out data above which a model misses them, relative to the mean removal.
+    HELD_OUT_REMOVAL: f64 = 0.02, "1", "chosen: errors of the parameters add to those of the simulation";
+    /// Threshold of the held-out data's unexplained residual, relative to the noise; the larger one applies.
+    HELD_OUT_NOISE: f64 = 1.5, "1", "chosen: errors of the parameters add to those of the simulation";
+    /// Maximum increase in quadrature of the held-out residual by an admissible effect, relative to the removal.
     HELD_OUT_RISE_REMOVAL: f64 = 0.005, "1",
         "measured: another laboratory's simulation differs by about 0.5 % of the depth (docs/diagnosis.md, Limits)";
-    /// Rise of the unexplained residual of held-out data, over the noise, that an admissible effect may bring.
+    /// Maximum increase in quadrature of the held-out residual, relative to the noise; the larger one applies.
     HELD_OUT_RISE_NOISE: f64 = 0.6, "1", "chosen";
-    /// Share of the unexplained mean square of calibration data that an adequate fit may leave.
+    /// Maximum share of the calibration data's unexplained mean square that an adequate fit leaves.
     LEFT_CALIBRATION_SHARE: f64 = 0.25, "1", "chosen";
-    /// Share of the unexplained mean square of held-out data that an adequate fit may leave.
+    /// Maximum share of the held-out data's unexplained mean square that an adequate fit leaves.
     LEFT_HELD_OUT_SHARE: f64 = 0.5, "1", "chosen";
-    /// Unexplained residual, over the mean removal, beyond which no fit is adequate.
+    /// Threshold of the unexplained residual above which no fit is adequate, relative to the mean removal.
     ADEQUATE_REMOVAL: f64 = 0.03, "1", "chosen";
-    /// Unexplained residual, over the noise, beyond which no fit is adequate.
+    /// Threshold of the unexplained residual for adequate fits, relative to the noise; the larger one applies.
     ADEQUATE_NOISE: f64 = 3.0, "1", "chosen";
-    /// Error over its noise floor up to which it is near the noise, and a study ends.
+    /// Ratio of the error to its noise floor up to which the error is near the noise and a study ends.
     NEAR_FLOOR_RATIO: f64 = 1.1, "1", "chosen";
     // Comparison.
-    /// Draws of noise behind the p-value of a residual test.
-    RESIDUAL_TEST_DRAWS: usize = 999, "1", "convention: a thousand with the data";
-    /// Fewest tiles of a line whose runs of one sign are counted.
+    /// Number of noise draws for the p-value of a residual test.
+    RESIDUAL_TEST_DRAWS: usize = 999, "1", "convention: a thousand including the data";
+    /// Minimum number of tiles in a line whose runs of one sign are counted.
     RUN_LINE_LEAST: usize = 5, "1", "chosen";
-    /// Fewest tiles that successive scans must share for a test of what passes leave alike.
+    /// Minimum number of tiles that successive scans must share for the test of correlation between passes.
     SHARED_TILES_LEAST: usize = 20, "1", "chosen";
-    /// Share of the noise of the scan before from which a tile is left out of the test of what passes leave alike.
-    SHARED_NOISE_MOST: f64 = 0.1, "1", "chosen: successive scans have that noise in common";
-    /// Draws of shifted maps behind the p-value of a covariate.
-    COVARIATE_DRAWS: usize = 499, "1", "convention: five hundred with the data";
-    /// Draws of blocks behind the bands of a binned mean.
+    /// Remaining share of the first scan's noise from which the test of correlation between passes omits a tile.
+    SHARED_NOISE_MOST: f64 = 0.1, "1", "chosen: successive scans share that noise";
+    /// Number of permutation draws of shifted maps for the p-value of a covariate.
+    COVARIATE_DRAWS: usize = 499, "1", "convention: five hundred including the data";
+    /// Number of block-bootstrap draws for the bands of a binned mean.
     COVARIATE_BAND_DRAWS: usize = 400, "1", "chosen";
-    /// Lower quantile of such a band.
+    /// Lower quantile of the band of a binned mean.
     COVARIATE_BAND_LOW: f64 = 0.025, "1", "convention: 95 % band";
-    /// Upper quantile of such a band.
+    /// Upper quantile of the band of a binned mean.
     COVARIATE_BAND_HIGH: f64 = 0.975, "1", "convention: 95 % band";
-    /// Most bins of a covariate.
+    /// Maximum number of bins of a covariate.
     COVARIATE_BINS: usize = 10, "1", "chosen";
-    /// Fewest data of a bin.
+    /// Minimum mean number of data per bin of a covariate, if it has more than three bins.
     COVARIATE_BIN_LEAST: usize = 8, "1", "chosen";
-    /// Fewest data from which covariates are studied.
+    /// Minimum number of data for a study of covariates.
     COVARIATE_DATA_LEAST: usize = 20, "1", "chosen";
-    /// Strength of the ridge beside columns of length one.
+    /// Ridge parameter of the joint regression on covariates, for columns of unit length.
     COVARIATE_RIDGE: f64 = 1e-3, "1", "chosen";
-    /// Mean number of rows of the pieces of a table that change places.
+    /// Mean number of rows in the pieces of a table that a permutation draw reorders.
     ROW_PIECE_LENGTH: f64 = 4.0, "1", "chosen";
-    /// Removal from which a tile belongs to a pass's track, over the noise of a tile.
+    /// Threshold of the removal for a tile of a pass's track, relative to the noise of a tile.
     TRACK_REMOVAL_SIGMAS: f64 = 4.0, "σ", "chosen";
-    /// Removal from which a tile belongs to a pass's track, over that of the deepest tenth of the tiles.
+    /// Threshold of the removal for a tile of a track, relative to its 90 % quantile; the larger one applies.
     TRACK_REMOVAL_SHARE: f64 = 0.15, "1", "chosen";
-    /// Removal from which a pixel may be part of a plateau, over the noise floor.
+    /// Greatest removal of a section above which it may have a plateau, relative to the noise floor.
     PLATEAU_REMOVAL_SIGMAS: f64 = 3.0, "σ", "chosen";
-    /// Values of each parameter of a law that are tried on tables, over its whole range.
+    /// Number of grid values over the whole range of each parameter of a law, for trends in tables.
     TREND_VALUES: usize = 7, "1", "chosen";
-    /// Factor from a parameter's best value to those that are tried on scans.
+    /// Factor by which each parameter of a law is multiplied and divided, for trends in scans.
     TREND_FACTOR: f64 = 3.0, "1", "chosen";
-    /// Share of the largest prediction up to which a row counts as no removal.
+    /// Prediction, relative to the largest, up to which a row counts as no removal.
     TREND_REMOVAL_SHARE: f64 = 1e-2, "1", "chosen";
-    /// Standard deviations outside the reach of a law beyond which it cannot follow equal passes.
+    /// Number of standard deviations outside a law's range of changes above which it cannot follow equal passes.
     TREND_SIGMAS: f64 = 3.0, "σ", "convention: three sigmas";
-    /// Share of the fall that two effects explain both from which their Shapley values are reported.
+    /// Share of the joint Δχ² that two effects both explain, above which their Shapley values are reported.
     SHAPLEY_OVERLAP: f64 = 0.2, "1", "chosen";
 }
 

@@ -20,7 +20,7 @@ use trial_simulation::{SimulatedPass, Variation};
 use trials::trial::{FrameErrors, FrameOffset, Trial};
 
 use super::evidence::{EvidenceError, Split};
-use super::nuisances::{Nuisances, Simulated};
+use super::nuisances::{ModelPasses, Nuisances};
 use super::scans::{ScanEvidence, ScanView};
 use super::simulation_errors::difference;
 use crate::criteria::DERIVATIVE_CHANGE_LEAST;
@@ -142,7 +142,7 @@ impl FrameFreedom {
 impl Change {
     /// Change by one quantity, over a step that changes the residuals by more than the simulation's numerical noise;
     /// zero where none does.
-    fn of(evidence: &ScanEvidence, (usual, model): Simulated, quantity: usize) -> Result<Self, EvidenceError> {
+    fn of(evidence: &ScanEvidence, (usual, model): ModelPasses, quantity: usize) -> Result<Self, EvidenceError> {
         let simulations = &evidence.simulation.trials;
         let scale = priors(simulations[0].trial.frame_errors)[quantity];
         let about = middle(simulations[0].trial);

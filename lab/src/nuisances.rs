@@ -34,8 +34,8 @@ pub struct Nuisances {
     pub frame: FrameValues,
 }
 
-/// Simulated passes of each trial, and the model that produced them.
-pub type Simulated<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
+/// ModelPasses passes of each trial, and the model that produced them.
+pub type ModelPasses<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
 
 impl ScanEvidence<'_> {
     /// Returns a simulated surface as the instrument sees it.
@@ -60,7 +60,7 @@ impl ScanEvidence<'_> {
     pub fn predicted(
         &self,
         view: &ScanView,
-        (passes, model): Simulated,
+        (passes, model): ModelPasses,
         nuisances: Nuisances,
     ) -> Result<Vec<f64>, EvidenceError> {
         let pass = &passes[view.trial][view.pass];
@@ -71,7 +71,7 @@ impl ScanEvidence<'_> {
     ///
     /// # Errors
     /// If a formula of the scanner gives no finite number.
-    pub fn nuisances_of(&self, (passes, model): Simulated) -> Result<Nuisances, EvidenceError> {
+    pub fn nuisances_of(&self, (passes, model): ModelPasses) -> Result<Nuisances, EvidenceError> {
         if let Some(nuisances) = self.nuisances {
             return Ok(nuisances);
         }
@@ -118,14 +118,14 @@ impl ScanEvidence<'_> {
     ///
     /// # Errors
     /// If a formula of the scanner gives no finite number.
-    pub(super) fn seen_residuals(&self, simulated: Simulated, split: Split) -> Result<Vec<f64>, EvidenceError> {
+    pub(super) fn seen_residuals(&self, simulated: ModelPasses, split: Split) -> Result<Vec<f64>, EvidenceError> {
         self.residuals_through(simulated, split, self.blur_of(simulated)?)
     }
 
     /// As [`Self::seen_residuals`], with a known blur [m].
     pub(super) fn residuals_through(
         &self,
-        simulated: Simulated,
+        simulated: ModelPasses,
         split: Split,
         blur: f64,
     ) -> Result<Vec<f64>, EvidenceError> {
@@ -135,7 +135,7 @@ impl ScanEvidence<'_> {
 
     /// Blur of the instrument [m] with which the simulated rims of the cut agree best with those of the calibration
     /// scans. A stiff contact and a sharp instrument leave similar rims.
-    pub(super) fn blur_of(&self, simulated: Simulated) -> Result<f64, EvidenceError> {
+    pub(super) fn blur_of(&self, simulated: ModelPasses) -> Result<f64, EvidenceError> {
         if let Some(nuisances) = self.nuisances {
             return Ok(nuisances.blur);
         }
@@ -152,7 +152,7 @@ impl ScanEvidence<'_> {
     }
 
     /// Measured minus simulated tiles of a split, whitened, with a given blur [m], before the lattice error is removed.
-    fn whitened(&self, simulated: Simulated, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
+    fn whitened(&self, simulated: ModelPasses, split: Split, blur: f64) -> Result<Vec<f64>, EvidenceError> {
         let mut whitened = self.whitened_alone(simulated, split, blur)?;
         self.whiten_frame(&mut whitened, split);
         Ok(whitened)
@@ -161,7 +161,7 @@ impl ScanEvidence<'_> {
     /// As [`Self::whitened`], scan by scan; frame and clock, which the scans share, are not yet removed.
     pub(super) fn whitened_alone(
         &self,
-        simulated: Simulated,
+        simulated: ModelPasses,
         split: Split,
         blur: f64,
     ) -> Result<Vec<f64>, EvidenceError> {
@@ -170,7 +170,7 @@ impl ScanEvidence<'_> {
         Ok(views.par_iter().map(scan).collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    fn whitened_scan(&self, view: &ScanView, simulated: Simulated, blur: f64) -> Result<Vec<f64>, EvidenceError> {
+    fn whitened_scan(&self, view: &ScanView, simulated: ModelPasses, blur: f64) -> Result<Vec<f64>, EvidenceError> {
         let predicted = self.predicted(view, simulated, Nuisances { blur, ..Nuisances::default() })?;
         Ok(view.data.whitened(&predicted))
     }

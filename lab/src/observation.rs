@@ -12,10 +12,8 @@ use super::exposure_view::ExposureView;
 use super::height_view::HeightView;
 use super::tiles::Tiles;
 use super::totals::Total;
+use crate::criteria::CURVE_MASK_STEP;
 use trial_simulation::SimulatedPass;
-
-/// Step of the finite differences for changes that are not linear, as a share of the change.
-const RESPONSE_STEP: f64 = crate::criteria::CURVE_MASK_STEP;
 
 /// Scan of a workpiece before its first pass.
 #[derive(Clone, Copy)]
@@ -52,9 +50,9 @@ pub trait Observation: Debug + Send + Sync {
 
     /// Change of [`Observation::whitened`] per unit of a further removal of `removal` at each pixel.
     fn response(&self, predicted: &[f64], removal: &[f64]) -> Vec<f64> {
-        let more: Vec<f64> = predicted.iter().zip(removal).map(|(own, more)| own + RESPONSE_STEP * more).collect();
+        let more: Vec<f64> = predicted.iter().zip(removal).map(|(own, more)| own + CURVE_MASK_STEP * more).collect();
         let usual = self.whitened(predicted);
-        self.whitened(&more).iter().zip(&usual).map(|(more, usual)| (more - usual) / RESPONSE_STEP).collect()
+        self.whitened(&more).iter().zip(&usual).map(|(more, usual)| (more - usual) / CURVE_MASK_STEP).collect()
     }
 
     /// Agreement with a prediction; its name is left empty.

@@ -123,7 +123,7 @@ impl<'a> ScanEvidence<'a> {
         needed
     }
 
-    /// Simulates the passes that a split needs, and those that determine the nuisances.
+    /// Simulates the passes that a split needs, and those that determine the nuisance parameters.
     ///
     /// # Errors
     /// For the first trial that fails.
