@@ -1,11 +1,12 @@
 //! Checks that every file must pass before use: known names, matching dimensions, no circular definitions, and an
 //! effect that vanishes at its null value.
 
-use super::definition::{Effect, Formula, Kind, Motion, Process, State};
+use super::definition::{Effect, Formula, Kind, Motion, State};
 use super::dimension::Dimension;
 use super::error::{EffectError, Problem};
 use super::interpret::lag;
 use super::null::check_null;
+use super::process::Process;
 use super::scope::{Scope, Symbol, motion_formulas};
 use super::toml_text::Source;
 use super::unit::Unit;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::call::Call;
 use super::check::check_in_model;
-use super::definition::{Effect, Holder, Process, Reset, State};
+use super::definition::{Effect, Holder, Reset, State};
 use super::error::RunError;
 use super::graph::Id;
 use super::inputs::{Lanes, StepValues};
@@ -12,6 +12,7 @@ use super::library::Library;
 use super::lower::{Lowering, Part};
 use super::model::{Model, ModelError};
 use super::parameter_vector::{ParameterSlot, RowCounts, Slots};
+use super::process::Process;
 use super::program::{MOST_INPUTS, MOST_REGISTERS, Program};
 use super::states::States;
 use super::variable::{Hook, Variable};

@@ -2,11 +2,12 @@
 
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
-use super::definition::{Effect, Kind, Parameter, Process, Rows};
+use super::definition::{Effect, Kind, Parameter, Rows};
 use super::error::{EffectError, Problem};
 use super::library::Library;
 use super::model::{Model, ModelError, ModelPart};
 use super::nearest::hint;
+use super::process::Process;
 use super::toml_text::{Source, parse_quantity};
 
 /// A model file after a change, with one sentence per change.

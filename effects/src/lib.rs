@@ -46,6 +46,7 @@ mod op;
 pub mod page;
 mod parameter_vector;
 mod parse;
+mod process;
 mod program;
 mod read;
 mod scope;
@@ -59,10 +60,7 @@ mod wgsl;
 pub use accepted::Accepted;
 pub use call::Call;
 pub use compiled::{CellState, CompiledModel, PoseChange};
-pub use definition::{
-    ByProcess, Change, Definition, Effect, Formula, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale,
-    Signal, State,
-};
+pub use definition::{Change, Definition, Effect, Formula, Holder, Kind, Motion, Parameter, Reset, Rows, Scale, State};
 pub use dimension::Dimension;
 pub use edit::{Edit, candidates};
 pub use error::{BadResult, EffectError, Problem, RunError};
@@ -74,6 +72,7 @@ pub use one_line::{Extent, NamedState, OneLine, OneLineError, Unknown};
 pub use op::Op;
 pub use parameter_vector::{ParameterSlot, RowCounts};
 pub use parse::SyntaxError;
+pub use process::{ByProcess, Process, Signal};
 pub use states::States;
 pub use syntax::{Expr, Node};
 pub use unit::{Unit, UnitError};

@@ -29,15 +29,17 @@ impl Library {
     pub fn builtin() -> &'static Self {
         static BUILTIN: OnceLock<Library> = OnceLock::new();
         BUILTIN.get_or_init(|| {
-            let read_all = || FILES.iter().map(|&(file, text)| read(Source { file, text }));
-            let of = |kind: Kind, laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
-                let read: Vec<Effect> = read_all().collect::<Result<_, _>>()?;
-                let own = read.into_iter().filter(|effect| effect.kind == kind);
-                own.map(|effect| with_units(effect, laws)).collect()
+            let loaded = || {
+                let read: Result<Vec<Effect>, _> =
+                    FILES.iter().map(|&(file, text)| read(Source { file, text })).collect();
+                let (laws, effects): (Vec<_>, Vec<_>) = read?.into_iter().partition(|part| part.kind == Kind::Law);
+                let of = |parts: Vec<Effect>, laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
+                    parts.into_iter().map(|part| with_units(part, laws)).collect()
+                };
+                let laws = of(laws, &[])?;
+                Ok(Self { effects: of(effects, &laws)?, laws }.sorted())
             };
-            let laws = of(Kind::Law, &[]).unwrap_or_else(|error| panic!("{error}"));
-            let effects = of(Kind::Effect, &laws).unwrap_or_else(|error| panic!("{error}"));
-            Self { laws, effects }.sorted()
+            loaded().unwrap_or_else(|error: EffectError| panic!("{error}"))
         })
     }
 

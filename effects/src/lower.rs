@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::definition::{Effect, Formula, Motion, Process, Rows};
+use super::definition::{Effect, Formula, Motion, Rows};
 use super::graph::{Graph, Id, Load};
 use super::interpret::lag;
 use super::op::Op;
+use super::process::Process;
 use super::scope::{Scope, Symbol};
 use super::syntax::{Expr, Node};
 use super::variable::{Hook, Variable};

@@ -16,10 +16,11 @@
 //! assert_eq!(model.values("grit-dulling", "dulling_volume"), [350e-9]);
 //! ```
 
-use super::definition::{Effect, Kind, Process, Rows};
+use super::definition::{Effect, Kind, Rows};
 use super::error::{EffectError, Problem};
 use super::library::Library;
 use super::nearest::hint;
+use super::process::Process;
 use super::toml_text::{BareNumber, Entry, Section, Source};
 use super::variable::{Hook, Variable};
 

@@ -3,9 +3,10 @@
 //! The inputs are a fixed set: both ends of each variable's plausible range, zeros, and values between. States evolve
 //! by their own formulas from their initial values.
 
-use super::definition::{Effect, Parameter, Process};
+use super::definition::{Effect, Parameter};
 use super::error::{EffectError, Problem};
 use super::interpret::Environment;
+use super::process::Process;
 use super::scope::Scope;
 use super::variable::{TABLE, VariableRow};
 

@@ -1,8 +1,9 @@
 //! The parameters of a model as one flat vector, as fits need it.
 
 use super::accepted::Accepted;
-use super::definition::{Effect, Parameter, Process, Rows, Scale};
+use super::definition::{Effect, Parameter, Rows, Scale};
 use super::model::{Model, ModelError};
+use super::process::Process;
 use super::unit::Unit;
 
 /// Number of values of parameters that differ between passes or between scans.

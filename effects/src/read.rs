@@ -1,9 +1,8 @@
 //! Reads an effect's file to an [`Effect`]: keys, values, units and formulas. `check` verifies the formulas.
 
-use super::definition::{
-    ByProcess, Change, Definition, Effect, Holder, Kind, Motion, Parameter, Process, Reset, Rows, Scale, State,
-};
+use super::definition::{Change, Definition, Effect, Holder, Kind, Motion, Parameter, Reset, Rows, Scale, State};
 use super::error::{EffectError, Problem};
+use super::process::{ByProcess, Process};
 use super::toml_text::{BareNumber, Entry, Section, Source, named};
 use super::unit::Unit;
 use super::variable::{Hook, Variable};
@@ -28,7 +27,7 @@ const KEYS: [&str; 12] = [
     "modify",
     "law",
 ];
-/// Place in the order of action of files that state none: after all others.
+/// Order of files that state none: they act after all others.
 const LAST: u32 = u32::MAX;
 const PARAMETER_KEYS: [&str; 9] = ["symbol", "unit", "null", "range", "scale", "default", "free", "per", "about"];
 const STATE_KEYS: [&str; 9] = ["per", "unit", "rate", "target", "time", "initial", "reset", "min", "max"];

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::definition::{Effect, Formula, Motion, Process, State};
+use super::definition::{Effect, Formula, Motion, State};
 use super::dimension::Dimension;
 use super::error::{EffectError, Problem};
 use super::nearest::near;
 use super::op::Op;
+use super::process::Process;
 use super::syntax::{Expr, Node};
 use super::variable::{Hook, Variable};
 

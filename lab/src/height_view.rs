@@ -9,6 +9,7 @@ use sdf_bake::HeightMap;
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
 use super::observation::{Observation, Untouched};
+use super::pose_columns::{Frame, PLACE_FREEDOMS, cut_columns, place_columns, pose_column, pose_columns, slopes};
 use super::simulation_errors::ScanErrors;
 use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
@@ -27,8 +28,6 @@ const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIG
 pub(super) const COARSE: usize = 2;
 /// Number of pose degrees of freedom that the untouched surface determines: height and tilts.
 const HELD: usize = 3;
-/// Number of degrees of freedom of the scan's pose and of the part's lateral place.
-const PLACE_FREEDOMS: usize = 7;
 
 /// A scan as data.
 #[derive(Clone, Debug)]
@@ -325,79 +324,4 @@ impl Observation for HeightView {
 /// Share of the previous scan's noise that remains after removal of a depth [m].
 fn shares(removed: &[f64], noise_depth: f64) -> Vec<f64> {
     removed.iter().map(|removed| (-removed / noise_depth).exp()).collect()
-}
-
-/// Centre of a map and half of its diagonal [m].
-#[derive(Clone, Copy)]
-struct Frame {
-    middle: DVec2,
-    reach: f64,
-}
-
-impl Frame {
-    fn of(pixels: sdf_bake::PixelGrid) -> Self {
-        let end = pixels.position(pixels.nx - 1, pixels.ny - 1);
-        Self { middle: 0.5 * (pixels.origin + end), reach: 0.5 * pixels.origin.distance(end) }
-    }
-}
-
-/// Height change of a pixel per unit of each degree of freedom of a scan's pose.
-fn pose_column(frame: Frame, pixels: sdf_bake::PixelGrid, at: usize, slope: DVec2) -> [f64; 5] {
-    let place = (pixels.position(at % pixels.nx, at / pixels.nx) - frame.middle) / frame.reach;
-    [1.0, place.x, place.y, -slope.x, -slope.y]
-}
-
-fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
-    let pixels = tiles.grid.pixels;
-    let frame = Frame::of(pixels);
-    let column = |k: usize| tiles.means(|at| pose_column(frame, pixels, at, slopes[at])[k]);
-    DMatrix::from_fn(tiles.len(), 5, {
-        let columns: Vec<Vec<f64>> = (0..5).map(column).collect();
-        move |row, k| columns[k][row]
-    })
-}
-
-/// Height change of each tile per shift of the cut along x and y.
-fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
-    let known = |slope: f64| if slope.is_finite() { -slope } else { 0.0 };
-    let (x, y) = (tiles.means(|at| known(cut[at].x)), tiles.means(|at| known(cut[at].y)));
-    DMatrix::from_fn(tiles.len(), 2, move |row, k| if k == 0 { x[row] } else { y[row] })
-}
-
-/// Height change of each tile per unit of the scan's pose and of the cut's place.
-///
-/// - `maps`: slopes of the scan and of the cut
-fn place_columns(tiles: &Tiles, [slopes, cut]: [&[DVec2]; 2]) -> DMatrix<f64> {
-    let (pose, cut) = (pose_columns(tiles, slopes), cut_columns(tiles, cut));
-    DMatrix::from_fn(tiles.len(), PLACE_FREEDOMS, |row, k| {
-        if k < pose.ncols() { pose[(row, k)] } else { cut[(row, k - pose.ncols())] }
-    })
-}
-
-/// Slope at each pixel of a plane fitted to neighbours up to two pixels away, NaN where too few are known.
-fn slopes(map: &HeightMap) -> Vec<DVec2> {
-    let (nx, ny) = (map.pixels.nx as i64, map.pixels.ny as i64);
-    let slope = |at: usize| {
-        let (i, j) = (at as i64 % nx, at as i64 / nx);
-        let height = |di: i64, dj: i64| {
-            let inside = (0..nx).contains(&(i + di)) && (0..ny).contains(&(j + dj));
-            if inside { map.heights[((j + dj) * nx + i + di) as usize] } else { f64::NAN }
-        };
-        DVec2::new(along(|d| height(d, 0)), along(|d| height(0, d))) / map.pixels.pitch
-    };
-    (0..map.heights.len()).map(slope).collect()
-}
-
-/// Slope of the straight line fitted to the known ones of five values [per pixel]; NaN where fewer than two are known.
-fn along(height: impl Fn(i64) -> f64) -> f64 {
-    let known: Vec<(f64, f64)> =
-        (-2..=2).map(|d| (d as f64, height(d))).filter(|(_, height)| height.is_finite()).collect();
-    if known.len() < 2 {
-        return f64::NAN;
-    }
-    let middle = known.iter().map(|(d, _)| d).sum::<f64>() / known.len() as f64;
-    let (rise, weight) = known
-        .iter()
-        .fold((0.0, 0.0), |(rise, weight), (d, height)| (rise + (d - middle) * height, weight + (d - middle).powi(2)));
-    rise / weight
 }

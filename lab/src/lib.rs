@@ -59,6 +59,7 @@ mod observation;
 mod pair;
 mod paired;
 mod pass_trend;
+mod pose_columns;
 mod prepared;
 mod probe;
 mod remembered;

@@ -4,11 +4,12 @@
 mod dimensions;
 mod parameters;
 
-use super::definition::{Formula, Holder, Motion, Process, Reset, State};
+use super::definition::{Formula, Holder, Motion, Reset, State};
 use super::dimension::Dimension;
 use super::library::Library;
 use super::nearest::{hint, near};
 use super::parse::{SyntaxError, parse};
+use super::process::Process;
 use super::syntax::Expr;
 use super::variable::{Hook, Variable};
 use dimensions::Dimensions;
