@@ -209,6 +209,6 @@ fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
 /// Effects that were not weighed, with the reason.
 fn blind(evidence: &dyn Evidence, library: &Library, rounds: &[Round]) -> BTreeMap<String, String> {
     let blind = library.effects().iter().filter_map(|e| Some((e.name.clone(), evidence.is_blind_to(e)?)));
-    let dear = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
-    blind.chain(dear.map(|screened| (screened.candidate.name.clone(), TOO_EXPENSIVE.to_owned()))).collect()
+    let expensive = rounds.iter().flat_map(|round| &round.screened).filter(|screened| !screened.is_simulated());
+    blind.chain(expensive.map(|screened| (screened.candidate.name.clone(), TOO_EXPENSIVE.to_owned()))).collect()
 }

@@ -1,4 +1,4 @@
-// Second part of each phase, after all invocations have completed the first.
+// Second dispatch of each phase: it reads what all invocations of the first one wrote.
 
 fn second_part(phase: u32) {
     switch phase {
