@@ -176,14 +176,8 @@ impl Change {
         };
         let heights: Vec<Vec<Vec<f64>>> = usual.iter().zip(moved).map(trial).collect();
         let scan = |view: &ScanView| -> Result<Vec<f64>, EvidenceError> {
-            if view.data.as_heights().is_some() {
-                let removal: Vec<f64> = heights[view.trial][view.pass].iter().map(|change| -change).collect();
-                return Ok(view.data.response(&[], &removal));
-            }
-            let seen = |passes: &[Vec<SimulatedPass>]| -> Result<Vec<f64>, EvidenceError> {
-                Ok(view.data.whitened(&evidence.predicted(view, (passes, model), Nuisances::default())?))
-            };
-            Ok(seen(moved)?.iter().zip(seen(usual)?).map(|(moved, usual)| factor * (moved - usual)).collect())
+            let predicted = |passes| evidence.predicted(view, (passes, model), Nuisances::default());
+            Ok(view.data.difference_of(&predicted(usual)?, &predicted(moved)?, factor))
         };
         let scans: Vec<Vec<f64>> = evidence.of(Split::Calibration).map(scan).collect::<Result<_, _>>()?;
         Ok(Self { column: scans.concat(), heights })

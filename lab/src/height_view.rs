@@ -267,6 +267,13 @@ impl Observation for HeightView {
         self.whitener.whitened_field(&self.tiles.means(|at| removal[at]))
     }
 
+    /// The difference of the predictions themselves: both have the same noise and pose. Pixels without one change nothing.
+    fn difference_of(&self, from: &[f64], to: &[f64], factor: f64) -> Vec<f64> {
+        let change = |(from, to): (&f64, &f64)| if (to - from).is_finite() { to - from } else { 0.0 };
+        let removal: Vec<f64> = from.iter().zip(to).map(|pair| -(factor * change(pair))).collect();
+        self.response(from, &removal)
+    }
+
     /// Spikes that a steep rim has hidden until the simulation was subtracted are left out.
     fn agreement(&self, predicted: &[f64], before: Untouched) -> Agreement {
         let (left, _) = despiked(&HeightMap { pixels: self.measured.pixels, heights: self.left(predicted) });

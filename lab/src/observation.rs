@@ -55,6 +55,12 @@ pub trait Observation: Debug + Send + Sync {
         self.whitened(&more).iter().zip(&usual).map(|(more, usual)| (more - usual) / CURVE_MASK_STEP).collect()
     }
 
+    /// Change of [`Observation::whitened`] from a prediction to another, times a factor.
+    fn difference_of(&self, from: &[f64], to: &[f64], factor: f64) -> Vec<f64> {
+        let (from, to) = (self.whitened(from), self.whitened(to));
+        to.iter().zip(&from).map(|(to, from)| factor * (to - from)).collect()
+    }
+
     /// Agreement with a prediction; its name is left empty.
     fn agreement(&self, predicted: &[f64], before: Untouched) -> Agreement;
 
