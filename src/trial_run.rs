@@ -126,7 +126,7 @@ impl TrialRun {
             let Snapshot { part, tool, trial_time, record } =
                 snapshot::read(&resume.folder, pass, model, &origin(simulation, model, pass))?;
             self.state = TrialState { part, tool, passes: pass, trial_time, first_row: self.state.first_row };
-            self.passes.push(simulation.seen(model, &self.state, record)?);
+            self.passes.push(simulation.scanned(model, &self.state, record)?);
         }
         Ok(())
     }

@@ -65,7 +65,7 @@ pub use dimension::Dimension;
 pub use edit::{Edit, candidates};
 pub use error::{BadResult, EffectError, Problem, RunError};
 pub use inputs::{Lanes, StepValues};
-pub use library::{FILES, Library, check_file};
+pub use library::{Library, check_file, files};
 pub use model::{Model, ModelError, ModelPart};
 pub use nearest::hint;
 pub use one_line::{Extent, NamedState, OneLine, OneLineError, Unknown};

@@ -5,14 +5,30 @@
 
 use std::sync::OnceLock;
 
+use rust_embed::RustEmbed;
+
 use super::check::{check, check_circles, infer_units};
 use super::definition::{Effect, Kind};
 use super::error::{EffectError, Problem};
 use super::read::read;
 use super::toml_text::Source;
 
-/// All files of the library by name, as `build.rs` lists them.
-pub const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/library.rs"));
+/// The folder of the library: part of a release build; a debug build reads the files where they lie.
+#[derive(RustEmbed)]
+#[folder = "library"]
+struct Folder;
+
+/// All files of the library, as name and text, in the order of their names.
+///
+/// # Panics
+/// If a file is no UTF-8.
+pub fn files() -> Vec<(String, String)> {
+    let text = |name: &str| Folder::get(name).map(|file| String::from_utf8(file.data.into_owned()).expect("UTF-8"));
+    let names = Folder::iter().filter(|name| name.ends_with(".toml"));
+    let mut files: Vec<_> = names.filter_map(|name| Some((name.to_string(), text(&name)?))).collect();
+    files.sort();
+    files
+}
 
 /// Laws and effects by name.
 #[derive(Clone, Debug)]
@@ -31,7 +47,7 @@ impl Library {
         BUILTIN.get_or_init(|| {
             let loaded = || {
                 let read: Result<Vec<Effect>, _> =
-                    FILES.iter().map(|&(file, text)| read(Source { file, text })).collect();
+                    files().iter().map(|(file, text)| read(Source { file, text })).collect();
                 let (laws, effects): (Vec<_>, Vec<_>) = read?.into_iter().partition(|part| part.kind == Kind::Law);
                 let of = |parts: Vec<Effect>, laws: &[Effect]| -> Result<Vec<Effect>, EffectError> {
                     parts.into_iter().map(|part| with_units(part, laws)).collect()

@@ -98,7 +98,7 @@ impl<'a> Predictor<'a> {
         let scans = self.scans(&stages, &best)?;
         let scale = (design.scans as f64).sqrt() / self.spread;
         let outline = Outline { scans, scale, data: Vec::new() };
-        Ok(Outline { data: best.iter().map(|surfaces| outline.seen(surfaces)).collect(), ..outline })
+        Ok(Outline { data: best.iter().map(|surfaces| outline.whitened_scans(surfaces)).collect(), ..outline })
     }
 
     /// Adds derivatives to the same predictions.
@@ -109,7 +109,7 @@ impl<'a> Predictor<'a> {
         let stages = self.prepared(design)?;
         let predicted = |(one, best): (&Simulated, &DVector<f64>)| {
             let moved = |(model, worn)| -> Result<DVector<f64>, EvidenceError> {
-                Ok(outline.seen(&self.surfaces(&stages, model, worn)?))
+                Ok(outline.whitened_scans(&self.surfaces(&stages, model, worn)?))
             };
             let moved = one.models[1..].par_iter().zip(&one.worn[1..]).map(moved).collect::<Result<Vec<_>, _>>()?;
             Ok(Predicted { data: best.clone(), jacobian: one.jacobian(best, &moved) })
@@ -177,7 +177,7 @@ impl<'a> Predictor<'a> {
 
 impl Outline<'_> {
     /// Returns the whitened data of the scans of predicted surfaces, pass by pass.
-    fn seen(&self, surfaces: &Surfaces) -> DVector<f64> {
+    fn whitened_scans(&self, surfaces: &Surfaces) -> DVector<f64> {
         let scan = |(planned, surface): (&PlannedScan, &Vec<f64>)| planned.data(surface);
         DVector::from_vec(self.scans.iter().zip(surfaces).flat_map(scan).collect()) * self.scale
     }

@@ -11,7 +11,7 @@ pub struct Border {
 
 /// A place relative to a border.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct BorderDistance {
     /// Signed distance to the border [m], positive where the field is.
     pub distance: f64,
     /// Direction in which the distance increases; zero on the border and out of reach.
@@ -44,13 +44,13 @@ impl Border {
     }
 
     /// Locates a place, whose side is known, relative to the border; distances are clamped to `reach` [m].
-    pub fn seen_from(&self, place: DVec2, is_above: bool, reach: f64) -> Seen {
+    pub fn distance_from(&self, place: DVec2, is_above: bool, reach: f64) -> BorderDistance {
         let sign = if is_above { 1.0 } else { -1.0 };
         let nearest = self.places.iter().min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
         let Some(nearest) = nearest.filter(|nearest| nearest.distance(place) < reach) else {
-            return Seen { distance: sign * reach, away: DVec2::ZERO, nearest: None };
+            return BorderDistance { distance: sign * reach, away: DVec2::ZERO, nearest: None };
         };
         let way = place - *nearest;
-        Seen { distance: sign * way.length(), away: sign * way.normalize_or_zero(), nearest: Some(*nearest) }
+        BorderDistance { distance: sign * way.length(), away: sign * way.normalize_or_zero(), nearest: Some(*nearest) }
     }
 }

@@ -25,7 +25,7 @@ impl CoarseLattice<'_, '_> {
 
 impl Prediction for CoarseLattice<'_, '_> {
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        let predict = || self.usual.seen_residuals((&self.simulate(model, split)?, model), split);
+        let predict = || self.usual.scan_residuals((&self.simulate(model, split)?, model), split);
         self.usual.remembered((model, split, COARSE_VOXEL_RATIO), predict)
     }
 

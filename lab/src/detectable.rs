@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::probe::Probe;
-use super::response::{Look, Response};
+use super::response::{Baseline, Response};
 use super::screen::Screened;
 use crate::criteria::DETECTABLE_SIGMAS;
 
@@ -44,15 +44,15 @@ pub struct Detectable {
 ///
 /// - `spread`: standard deviation of the whitened residuals
 /// - `least_size`: root mean square of what an effect must explain, in the data's unit
-pub fn detectable(look: &Look, screened: &Screened, (spread, least_size): (f64, f64)) -> Vec<Detectable> {
-    let detection = Detection { look, screened, wanted: DETECTABLE_SIGMAS * spread, least_size };
+pub fn detectable(baseline: &Baseline, screened: &Screened, (spread, least_size): (f64, f64)) -> Vec<Detectable> {
+    let detection = Detection { baseline, screened, wanted: DETECTABLE_SIGMAS * spread, least_size };
     let groups: Vec<&[Response]> = screened.typical().filter(|group| !group.is_empty()).collect();
     groups.into_par_iter().filter_map(|group| detection.of(group)).collect()
 }
 
 /// Conditions under which an effect is detectable.
 struct Detection<'a> {
-    look: &'a Look<'a>,
+    baseline: &'a Baseline<'a>,
     screened: &'a Screened,
     wanted: f64,
     least_size: f64,
@@ -67,7 +67,7 @@ impl Detection<'_> {
         let off = |response: &&Response| (response.change.norm() / self.wanted).ln().abs();
         let nearest = group.iter().filter(|response| response.is_distinct()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let mirror = nearest.and_then(|nearest| self.mirror(nearest));
-        let mirrored = mirror.as_ref().and_then(|mirror| self.look.at(&self.screened.candidate, mirror));
+        let mirrored = mirror.as_ref().and_then(|mirror| self.baseline.at(&self.screened.candidate, mirror));
         let sizes = [nearest, mirrored.as_ref()].map(|response| response.and_then(|response| self.size(response)));
         let is_above = nearest.is_some_and(|nearest| nearest.probe.values[k] > null);
         let (size, sides) = match sizes {
@@ -105,7 +105,7 @@ impl Detection<'_> {
         let k = response.probe.amplitude;
         let slot = &self.screened.candidate.coordinates[k].slot;
         let ([least, greatest], null, value) = (slot.range, slot.null?, response.probe.values[k]);
-        let explained = self.look.evidence.size(response.change.as_slice());
+        let explained = self.baseline.evidence.size(response.change.as_slice());
         let share = (self.wanted / response.change.norm()).max(self.least_size / explained);
         let size = if null.is_infinite() { value / share } else { share * (value - null).abs() };
         let is_within = match null {

@@ -12,7 +12,7 @@ use super::finding::Finding;
 use super::fit::Fit;
 use super::frame::FrameEstimate;
 use super::pair::pair;
-use super::response::{Look, Projector};
+use super::response::{Baseline, Projector};
 use super::round::Round;
 use super::space_mapping::Surrogate;
 use super::verdict::{SearchEnd, Searched, Verdict, misses};
@@ -155,7 +155,7 @@ impl Diagnosis {
         searches: usize,
     ) -> Result<Self, EvidenceError> {
         let mut search = Search::one_by_one(evidence, (model, &base), library, (seed, on_progress), searches)?;
-        let detectable = seen(evidence, &search.rounds[0]);
+        let detectable = detectable_sizes(evidence, &search.rounds[0]);
         let blind = blind(evidence, library, &search.rounds);
         let mut verdict = search.judged(evidence, &detectable)?;
         if verdict == Verdict::Unknown
@@ -195,15 +195,15 @@ impl Diagnosis {
 }
 
 /// Detectable size of each effect beside the model of a search.
-fn seen(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
+fn detectable_sizes(evidence: &dyn Evidence, round: &Round) -> Vec<Detectable> {
     let needed = (round.spread, round.least_size());
     let projector = Projector::new(&round.base);
     let quicker = evidence.quicker();
     let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &round.base));
     let quick: Option<&dyn Evidence> = surrogate.as_ref().map(|surrogate| surrogate as _);
-    let look = Look { evidence: quick.unwrap_or(evidence), base: &round.base, projector: &projector };
+    let baseline = Baseline { evidence: quick.unwrap_or(evidence), base: &round.base, projector: &projector };
     let first = round.screened.par_iter().filter(|screened| screened.candidate.name == screened.candidate.family);
-    first.flat_map_iter(|screened| detectable(&look, screened, needed)).collect()
+    first.flat_map_iter(|screened| detectable(&baseline, screened, needed)).collect()
 }
 
 /// Effects that were not weighed, with the reason.

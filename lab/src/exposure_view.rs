@@ -7,7 +7,7 @@ use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
 use sdf_bake::HeightMap;
 
-use super::border::{Border, Seen};
+use super::border::{Border, BorderDistance};
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
 use super::observation::{Observation, Untouched};
@@ -55,14 +55,14 @@ impl ExposureView {
         let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
         let odd = (0..pixels.len()).filter(is_odd).count();
         let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(BORDER_SCATTER_LEAST);
-        let seen = seen(&tiles, &field, &border, reach);
+        let distances = border_distances(&tiles, &field, &border, reach);
         let error = (scatter / (side as f64).sqrt()).max(BORDER_TILE_ERROR_LEAST) * pixels.pitch;
-        let sharing = sharing(&seen, side as f64 * pixels.pitch, reach);
+        let sharing = sharing(&distances, side as f64 * pixels.pitch, reach);
         let variances = sharing.into_iter().map(|tiles| tiles * error * error);
         let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
-        let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -seen[k].away[axis]);
+        let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -distances[k].away[axis]);
         let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[PART_SHIFT_SIGMA; 2]))?;
-        let distances = seen.iter().map(|seen| seen.distance).collect();
+        let distances = distances.iter().map(|place| place.distance).collect();
         let scatter = scatter * pixels.pitch;
         (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
     }
@@ -137,9 +137,10 @@ impl Observation for ExposureView {
 
     /// Measured minus simulated distance of each tile from the border, whitened.
     fn whitened(&self, predicted: &[f64]) -> Vec<f64> {
-        let simulated = seen(&self.tiles, predicted, &Border::new(predicted, self.measured.pixels), self.reach);
+        let simulated =
+            border_distances(&self.tiles, predicted, &Border::new(predicted, self.measured.pixels), self.reach);
         let difference: Vec<f64> =
-            self.distances.iter().zip(simulated).map(|(measured, seen)| measured - seen.distance).collect();
+            self.distances.iter().zip(simulated).map(|(measured, place)| measured - place.distance).collect();
         self.whitener.whiten(&difference)
     }
 
@@ -176,19 +177,22 @@ impl Observation for ExposureView {
 }
 
 /// Locates all tiles relative to the border of a field.
-fn seen(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<Seen> {
+fn border_distances(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<BorderDistance> {
     let above = tiles.means(|at| f64::from(u8::from(field[at] > 0.0)));
-    tiles.centres.iter().zip(above).map(|(centre, above)| border.seen_from(*centre, above > 0.5, reach)).collect()
+    tiles.centres.iter().zip(above).map(|(centre, above)| border.distance_from(*centre, above > 0.5, reach)).collect()
 }
 
 /// For each tile, the number of tiles that locate the same border segment, one tile side long; for tiles out of reach,
 /// the number across a straight border.
-fn sharing(seen: &[Seen], side: f64, reach: f64) -> Vec<f64> {
+fn sharing(places: &[BorderDistance], side: f64, reach: f64) -> Vec<f64> {
     let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
     let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();
-    seen.iter().filter_map(|seen| seen.nearest).for_each(|nearest| *tiles.entry(piece(nearest)).or_default() += 1.0);
-    let count = |seen: &Seen| seen.nearest.map_or(2.0 * reach / side, |nearest| tiles[&piece(nearest)]);
-    seen.iter().map(|seen| count(seen).max(1.0)).collect()
+    places
+        .iter()
+        .filter_map(|place| place.nearest)
+        .for_each(|nearest| *tiles.entry(piece(nearest)).or_default() += 1.0);
+    let count = |place: &BorderDistance| place.nearest.map_or(2.0 * reach / side, |nearest| tiles[&piece(nearest)]);
+    places.iter().map(|place| count(place).max(1.0)).collect()
 }
 
 /// Share of exposed pixels around each pixel.

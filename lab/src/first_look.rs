@@ -11,7 +11,7 @@ use super::error::Result;
 use super::evidence::Split;
 use super::fit::{Fit, FitOptions};
 use super::probe::Candidate;
-use super::response::{Look, Projector};
+use super::response::{Baseline, Projector};
 use super::space_mapping::Surrogate;
 use super::totals::Totals;
 use super::verdict::rms;
@@ -55,12 +55,12 @@ impl FirstLook {
         let base = Fit::new(quick, &start, quick.coordinates(&start), ROUGH)?;
         let model = with_values(model, &base);
         let projector = Projector::new(&base);
-        let look = Look { evidence: quick, base: &base, projector: &projector };
+        let baseline = Baseline { evidence: quick, base: &base, projector: &projector };
         let effects = candidates(&model, library).into_iter().filter(|effect| quick.is_blind_to(effect).is_none());
         let tried: Vec<Candidate> =
             effects.filter_map(|effect| Candidate::new(quick, &model, effect, library).ok()).collect();
         let promised = |candidate: Candidate| {
-            let share = promised(&look, &candidate) / base.chi2;
+            let share = promised(&baseline, &candidate) / base.chi2;
             Promise { name: candidate.name, share }
         };
         let mut promises: Vec<Promise> = tried.into_par_iter().map(promised).collect();
@@ -73,7 +73,7 @@ impl FirstLook {
 }
 
 /// Expected fall of χ² by an effect: each size at one middle value, its shape as in the library.
-fn promised(look: &Look, candidate: &Candidate) -> f64 {
-    let responses = candidate.typical().filter_map(|probe| look.at(candidate, probe));
-    responses.map(|response| response.optimum(&look.projector.residuals).1).fold(0.0, f64::max)
+fn promised(baseline: &Baseline, candidate: &Candidate) -> f64 {
+    let responses = candidate.typical().filter_map(|probe| baseline.at(candidate, probe));
+    responses.map(|response| response.optimum(&baseline.projector.residuals).1).fold(0.0, f64::max)
 }

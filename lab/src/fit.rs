@@ -206,7 +206,7 @@ impl Fit {
     /// # Errors
     /// If the model cannot be simulated.
     pub(super) fn reevaluated(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
-        let mut fit = self.seen(evidence)?;
+        let mut fit = self.evaluated_on(evidence)?;
         (fit.jacobian, fit.converged) = (DMatrix::zeros(fit.residuals.len(), fit.at.len()), false);
         fit.differentiate(evidence, &(0..fit.at.len()).collect::<Vec<_>>());
         Ok(fit)

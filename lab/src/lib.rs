@@ -125,7 +125,7 @@ pub use observation::{Observation, Untouched};
 pub use paired::{Better, Paired, PairedSplit};
 pub use pass_trend::{PassTrend, trend_of_rows, trend_of_scans};
 pub use probe::{Candidate, Probe};
-pub use response::{Look, Projector, Response};
+pub use response::{Baseline, Projector, Response};
 pub use round::Round;
 pub use rows::{Outlier, RowEvidence};
 pub use scans::{ScanEvidence, ScanView};

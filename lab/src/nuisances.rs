@@ -39,7 +39,7 @@ pub type ModelPasses<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
 
 impl ScanEvidence<'_> {
     /// Returns a simulated surface as the instrument sees it.
-    pub fn seen(&self, view: &ScanView, simulated: &HeightMap, nuisances: Nuisances) -> HeightMap {
+    pub fn as_scanned(&self, view: &ScanView, simulated: &HeightMap, nuisances: Nuisances) -> HeightMap {
         let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, nuisances.blur);
         if let Some(frame) = &self.frame {
             frame.add_to(&mut seen.heights, (view.trial, view.pass), nuisances.frame);
@@ -64,7 +64,7 @@ impl ScanEvidence<'_> {
         nuisances: Nuisances,
     ) -> Result<Vec<f64>, EvidenceError> {
         let pass = &passes[view.trial][view.pass];
-        view.data.predicted((pass, model), &|surface| self.seen(view, surface, nuisances))
+        view.data.predicted((pass, model), &|surface| self.as_scanned(view, surface, nuisances))
     }
 
     /// The nuisance parameters with which a model agrees best with the calibration scans.
@@ -94,7 +94,7 @@ impl ScanEvidence<'_> {
             let (Some(error), Some(data)) = (&self.simulation_errors, view.data.as_heights()) else { continue };
             let Some(simulated) = passes[view.trial][view.pass].scan.heights() else { continue };
             let (left, (_, error)) =
-                (data.left(&self.seen(view, simulated, even).heights), error.of(view.trial, view.pass));
+                (data.left(&self.as_scanned(view, simulated, even).heights), error.of(view.trial, view.pass));
             for (left, error) in data.rims.means(|at| left[at]).into_iter().zip(data.rims.means(|at| error[at])) {
                 products += if left.is_finite() { left * error } else { 0.0 };
                 squares += error * error;
@@ -118,11 +118,11 @@ impl ScanEvidence<'_> {
     ///
     /// # Errors
     /// If a formula of the scanner gives no finite number.
-    pub(super) fn seen_residuals(&self, simulated: ModelPasses, split: Split) -> Result<Vec<f64>, EvidenceError> {
+    pub(super) fn scan_residuals(&self, simulated: ModelPasses, split: Split) -> Result<Vec<f64>, EvidenceError> {
         self.residuals_through(simulated, split, self.blur_of(simulated)?)
     }
 
-    /// As [`Self::seen_residuals`], with a known blur [m].
+    /// As [`Self::scan_residuals`], with a known blur [m].
     pub(super) fn residuals_through(
         &self,
         simulated: ModelPasses,

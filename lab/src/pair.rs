@@ -164,7 +164,7 @@ fn fitted(
         let candidate = Candidate::new(lattices.quick(), &with_lead, effect, library).ok()?;
         let both = Suspect::begun(lattices.quick(), &begun.fit, Screened { candidate, ..other }).ok()?;
         on_progress(&format!("{} and {}", lead.candidate.name, both.name()), PAIRS_FITTED, PAIRS_FITTED);
-        Some(Joint { lead, both: both.finished(lattices.quick(), QUICK_FIT).seen(lattices.usual).ok()? })
+        Some(Joint { lead, both: both.finished(lattices.quick(), QUICK_FIT).evaluated_on(lattices.usual).ok()? })
     };
     to_the_end(lattices, promising(first).into_par_iter().filter_map(fit).collect(), PAIRS_REFINED)
 }
@@ -205,7 +205,7 @@ fn beside_surest(
         on_progress(&format!("{} and {}", lead.name(), both.name()), PAIRS_FITTED, PAIRS_FITTED);
         Some(Joint {
             lead: lead.at_its_fit(),
-            both: both.finished(lattices.quick(), PARTNER_FIT).seen(lattices.usual).ok()?,
+            both: both.finished(lattices.quick(), PARTNER_FIT).evaluated_on(lattices.usual).ok()?,
         })
     };
     let standing = first.findings.par_iter().filter(|finding| finding.share > 0.0);

@@ -37,7 +37,7 @@ pub struct Response {
 
 /// A base fit beside which effects are looked at.
 #[derive(Clone, Copy)]
-pub struct Look<'a> {
+pub struct Baseline<'a> {
     /// The data.
     pub evidence: &'a dyn Evidence,
     /// The fit.
@@ -113,7 +113,7 @@ impl Response {
     }
 }
 
-impl Look<'_> {
+impl Baseline<'_> {
     /// Simulates a probe with fixed base parameters, then with those that follow the effect; `None` if this fails.
     pub(super) fn at(&self, candidate: &Candidate, probe: &Probe) -> Option<Response> {
         let seen = |shift: &[f64]| {

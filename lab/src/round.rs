@@ -12,7 +12,7 @@ use super::finding::{Against, Finding};
 use super::fit::Fit;
 use super::model_weights::probabilities;
 use super::probe::Candidate;
-use super::response::{Look, Projector};
+use super::response::{Baseline, Projector};
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
 use super::space_mapping::{Lattices, Surrogate};
@@ -78,7 +78,7 @@ impl Round {
         let quicker = evidence.quicker();
         let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &base));
         let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
-        let look = Look { evidence: lattices.quick(), base: &base, projector: &projector };
+        let baseline = Baseline { evidence: lattices.quick(), base: &base, projector: &projector };
         let model = with_values(model, &base);
         let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
         let known: Vec<String> = model.effects.iter().map(|part| evidence.family(&part.name)).collect();
@@ -88,7 +88,7 @@ impl Round {
         let (count, done) = (tried.len(), AtomicUsize::new(0));
         let screen = |candidate: Candidate| {
             let name = candidate.name.clone();
-            let screened = Screened::new(&look, candidate);
+            let screened = Screened::new(&baseline, candidate);
             progress(&name, 1 + done.fetch_add(1, Ordering::Relaxed), count);
             screened
         };

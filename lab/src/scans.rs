@@ -181,7 +181,7 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError> {
-        self.remembered((model, split, 1.0), || self.seen_residuals((&self.simulate(model, split)?, model), split))
+        self.remembered((model, split, 1.0), || self.scan_residuals((&self.simulate(model, split)?, model), split))
     }
 
     fn agreement(&self, model: &CompiledModel, split: Split) -> Result<Vec<Agreement>, EvidenceError> {

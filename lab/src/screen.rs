@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
 use super::probe::{Candidate, Probe, probe_change};
-use super::response::{Look, Projector, Response};
+use super::response::{Baseline, Projector, Response};
 use crate::criteria::{
     EXTRAPOLATION_MOST, LARGER_PROBE_DELTA_CHI2, LARGER_PROBE_RATIO, LARGER_PROBES, PROBE_LEAST_DISTANCE,
     PROBE_MISS_RATIO, SHAPE_GAIN_SHARE,
@@ -35,30 +35,30 @@ fn aptest<'a>(group: &'a [Response], residuals: &DVector<f64>) -> Option<&'a Res
 
 impl Screened {
     /// Simulates a candidate's probes.
-    pub fn new(look: &Look, candidate: Candidate) -> Self {
+    pub fn new(baseline: &Baseline, candidate: Candidate) -> Self {
         let group = |probes: &Vec<Probe>| -> Vec<Response> {
-            probes.par_iter().filter_map(|probe| look.at(&candidate, probe)).collect()
+            probes.par_iter().filter_map(|probe| baseline.at(&candidate, probe)).collect()
         };
         let responses: Vec<Vec<Response>> = candidate.probes.par_iter().map(group).collect();
         let nulls: Vec<f64> = candidate.coordinates.iter().map(|c| c.slot.null.unwrap_or(c.slot.default)).collect();
         let mut screened = Self { candidate, responses, delta_chi2: 0.0, best: nulls, shift: Vec::new() };
-        let wanted = probe_change(look.projector.residuals.norm());
+        let wanted = probe_change(baseline.projector.residuals.norm());
         let apt: Vec<Option<Response>> = screened
             .responses
             .par_iter()
-            .map(|group| look.at(&screened.candidate, &screened.apter(group, wanted)?))
+            .map(|group| baseline.at(&screened.candidate, &screened.apter(group, wanted)?))
             .collect();
         screened.responses.iter_mut().zip(apt).for_each(|(group, response)| group.extend(response));
         let mut responses = std::mem::take(&mut screened.responses);
-        responses.par_iter_mut().for_each(|group| screened.go_farther(look, group));
+        responses.par_iter_mut().for_each(|group| screened.go_farther(baseline, group));
         screened.responses = responses;
-        screened.choose(&look.projector.residuals);
+        screened.choose(&baseline.projector.residuals);
         screened
     }
 
     /// Adds probes of larger size as long as the data favour a size beyond all of them.
-    fn go_farther(&self, look: &Look, group: &mut Vec<Response>) {
-        let residuals = &look.projector.residuals;
+    fn go_farther(&self, baseline: &Baseline, group: &mut Vec<Response>) {
+        let residuals = &baseline.projector.residuals;
         for _ in 0..LARGER_PROBES {
             let Some(nearest) = aptest(group, residuals) else { return };
             let wanted = nearest.wanted(residuals);
@@ -70,7 +70,7 @@ impl Screened {
             if !self.is_apart(group, &probe) {
                 return;
             }
-            let Some(response) = look.at(&self.candidate, &probe) else { return };
+            let Some(response) = baseline.at(&self.candidate, &probe) else { return };
             group.push(response);
         }
     }

@@ -120,7 +120,7 @@ impl Fit {
             if there.at == self.at {
                 return there;
             }
-            let Ok(seen) = there.clone().seen(evidence) else { break };
+            let Ok(seen) = there.clone().evaluated_on(evidence) else { break };
             let missing = missing_slope(&self, &there, &seen);
             let worth = FIT_CONVERGED_DELTA_CHI2 * self.chi2_per_datum().max(1.0);
             let is_right = seen.chi2 < self.chi2 && (seen.chi2 - there.chi2).abs() < worth;
@@ -137,7 +137,7 @@ impl Fit {
     ///
     /// # Errors
     /// If the model cannot be simulated.
-    pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+    pub(super) fn evaluated_on(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
         let residuals = evidence.residuals(&self.model, Split::Calibration)?;
         Ok(self.with_residuals(residuals))
     }

@@ -109,8 +109,8 @@ impl Suspect {
     ///
     /// # Errors
     /// If the model cannot be simulated with it.
-    pub(super) fn seen(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
-        Ok(Self { fit: self.fit.seen(evidence)?, ..self })
+    pub(super) fn evaluated_on(self, evidence: &dyn Evidence) -> Result<Self, EvidenceError> {
+        Ok(Self { fit: self.fit.evaluated_on(evidence)?, ..self })
     }
 
     /// Its fit, or a better one from the starting values of the base model: a base model without the effect may have
@@ -188,7 +188,7 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], on_progress: &
         let suspects: Vec<Suspect> =
             starts.filter_map(|start| Suspect::quick(lattices.quick(), base, start).ok()).collect();
         on_progress(&screened.candidate.name);
-        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))?.seen(lattices.usual).ok()
+        suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))?.evaluated_on(lattices.usual).ok()
     };
     let mut suspects: Vec<Suspect> = order.par_iter().filter_map(fitted).collect();
     sort(&mut suspects);

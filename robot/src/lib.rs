@@ -32,5 +32,5 @@ pub use mesh::MeshDepth;
 pub use pad::Pad;
 pub use sphere::Sphere;
 pub use tool::{Shape, Tool};
-pub use tool_text::ToolText;
+pub use tool_text::{ToolText, tool_notations};
 pub use wheel::Wheel;

@@ -18,7 +18,7 @@ impl FromStr for ToolText {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = |why: String| format!("{why}; {} is expected", accepted());
+        let wrong = |why: String| format!("{why}; {} is expected", tool_notations());
         let (kind, rest) = text.split_once(':').ok_or_else(|| wrong("a kind and its sizes are missing".to_owned()))?;
         if kind == "mesh" {
             return Ok(Self::Mesh(rest.into()));
@@ -29,8 +29,8 @@ impl FromStr for ToolText {
     }
 }
 
-/// Accepted notations, for messages.
-fn accepted() -> String {
+/// Accepted notations, for messages and help.
+pub fn tool_notations() -> String {
     let example = |(kind, (names, _)): &(&str, (&[&str], _))| {
         let sizes: Vec<String> = names.iter().zip([50, 20]).map(|(name, size)| format!("{name}={size}mm")).collect();
         format!("{kind}:{}", sizes.join(","))

@@ -50,7 +50,7 @@ impl Profilometer {
     /// Heights of the topmost surface [m]; NaN where there is no surface.
     pub fn heights(&self, grid: &BrickGrid) -> HeightMap {
         let read = |crossing: Crossing| (f64::from(crossing.below.z) + crossing.way) * grid.voxel;
-        HeightMap { pixels: self.pixels, heights: self.seen(grid, read) }
+        HeightMap { pixels: self.pixels, heights: self.sampled(grid, read) }
     }
 
     /// A channel of the field on the topmost surface, for instance the coating dose; NaN where there is no surface.
@@ -62,7 +62,7 @@ impl Profilometer {
             _ if values.is_empty() => 0.0,
             slot => f64::from(values[slot as usize * BRICK_VOXELS + voxel_offset(voxel)]),
         };
-        self.seen(grid, |Crossing { below, way }| {
+        self.sampled(grid, |Crossing { below, way }| {
             let (low, high) = (at(below), at(below + IVec3::Z));
             low + (high - low) * way
         })
@@ -77,7 +77,7 @@ impl Profilometer {
     }
 
     /// Values of `read` on the surface at the pixels, blurred.
-    fn seen(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
+    fn sampled(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
         let value = |line: IVec2| topmost(grid, line).map_or(f64::NAN, &read);
         let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
         let count = self.pixels.len();

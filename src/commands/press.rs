@@ -8,7 +8,7 @@ use clap::Args;
 use effects::{CompiledModel, RowCounts, States};
 use files::input::{self, MOST_MESH_BYTES};
 use glam::DVec3;
-use robot::{FieldTool, MeshDepth, Tool, ToolText};
+use robot::{FieldTool, MeshDepth, Tool, ToolText, tool_notations};
 use sdf_bake::nvdb;
 use sdf_bake::{BakeOptions, BrickGrid, Mesh, bake};
 use serde::Serialize;
@@ -41,9 +41,7 @@ const TOOL_BAND: f64 = 8.0;
 pub(super) struct PressArgs {
     /// Mesh file, asset folder made by `robofin weld`, or .nvdb file with a grid `phi`.
     part: PathBuf,
-    /// wheel:radius=50mm,width=20mm, pad:radius=25mm, sphere:radius=10mm or mesh:FILE, which comes down as it is in its
-    /// file; a wheel turns about y.
-    #[arg(long, value_name = "TOOL")]
+    #[arg(long, value_name = "TOOL", help = tool_help())]
     tool: ToolText,
     #[command(flatten)]
     goal: GoalFlags,
@@ -354,6 +352,11 @@ impl PressArgs {
         let exact = (report.inner_triangles == 0).then(|| Arc::new(MeshDepth::new(&mesh)));
         Ok(Tool::Field(FieldTool { field: Arc::new(field), low, high, mesh: exact }))
     }
+}
+
+/// Help of `--tool`.
+fn tool_help() -> String {
+    format!("{}; a mesh comes down as it is in its file, and a wheel turns about y", tool_notations())
 }
 
 /// Parses `X,Y` [mm]; returns metres.

@@ -15,7 +15,7 @@ use super::scan_figures::{ScanFigures, figures};
 use super::track::deepest;
 use super::waterfall::{Scans, Step};
 use super::{residual_tests, row_covariates, tile_covariates};
-use crate::{Compared, Conclusion, Direction, Misfit, Stated, StudyReport, Waterfall, WaterfallStep};
+use crate::{Compared, Conclusion, Direction, DisplayUnit, Misfit, StudyReport, Waterfall, WaterfallStep};
 use lab::Simulated;
 use lab::{
     CovariateStudy, ErrorUnit, Evidence, NoiseSummary, ParameterState, ParameterSummary, PassTrend, RowEvidence,
@@ -158,7 +158,7 @@ struct Found<'a> {
     equal_passes: Option<PassTrend>,
     tests: Vec<StructureTest>,
     study: CovariateStudy,
-    named: &'a dyn Fn(usize) -> (String, Stated),
+    named: &'a dyn Fn(usize) -> (String, DisplayUnit),
     /// Root mean square residual and noise floor [unit of errors].
     error: [f64; 2],
     /// Notes on how the input files were interpreted.
@@ -303,7 +303,7 @@ mod tests {
             equal_passes: None,
             tests: Vec::new(),
             study: CovariateStudy { joint_share: 0.5, covariates: vec![share] },
-            named: &|_| ("force".to_owned(), Stated::new("N", 1.0)),
+            named: &|_| ("force".to_owned(), DisplayUnit::new("N", 1.0)),
             error: [1.0, 1.0],
             notes: Vec::new(),
             removal,

@@ -106,14 +106,14 @@ impl Conclusion {
 
 /// A unit for display with its SI value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stated {
+pub struct DisplayUnit {
     /// Symbol of the unit, such as `MPa`; empty for plain numbers.
     pub unit: String,
     /// SI value of one such unit, such as 1e6.
     pub si_per_unit: f64,
 }
 
-impl Stated {
+impl DisplayUnit {
     /// Builds a unit, whose powers may be written as `mm^3` or `mm³`, with its SI value.
     pub fn new(unit: &str, si_per_unit: f64) -> Self {
         Self { unit: with_raised_powers(unit), si_per_unit }

@@ -5,7 +5,7 @@ use lab::Result;
 use serde::Serialize;
 
 use super::{residual_tests, row_covariates, tile_covariates};
-use crate::{Bin, CovariatePlot, Stated};
+use crate::{Bin, CovariatePlot, DisplayUnit};
 use lab::Simulated;
 use lab::{CovariateBin, CovariateShare, CovariateStudy, Evidence, RowEvidence, ScanEvidence, Split, StructureTest};
 
@@ -40,7 +40,7 @@ impl Failures {
     pub(super) fn new(
         tests: Vec<StructureTest>,
         study: &CovariateStudy,
-        named: &dyn Fn(usize) -> (String, Stated),
+        named: &dyn Fn(usize) -> (String, DisplayUnit),
     ) -> Self {
         let one = |share: &CovariateShare| CovariateFigures {
             name: named(share.covariate).0,
@@ -95,7 +95,7 @@ pub(super) fn of_rows(
 pub(super) fn plots(
     base: &CovariateStudy,
     found: Option<&CovariateStudy>,
-    named: &dyn Fn(usize) -> (String, Stated),
+    named: &dyn Fn(usize) -> (String, DisplayUnit),
 ) -> Vec<CovariatePlot> {
     let bins = |share: &CovariateShare| -> Vec<Bin> {
         let bin = |bin: &CovariateBin| Bin { covariate: bin.covariate, residual: bin.residual, band: bin.band };

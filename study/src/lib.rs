@@ -51,7 +51,7 @@ pub use calibrated::{CalibrationReport, calibration_report};
 pub use calibration_answer::{CALIBRATION_FILE, CalibrationAnswer};
 pub use comparison::{Asked, Comparison, compare_rows, compare_scans};
 pub use conclusion::{proposal, summary};
-pub use data::{Compared, Conclusion, Digest, Provenance, Stated, StudyReport};
+pub use data::{Compared, Conclusion, Digest, DisplayUnit, Provenance, StudyReport};
 pub use failures::{CovariateFigures, Failures};
 pub use first_look::{EXPECTED_SIMULATIONS, FirstAnswer};
 pub use hypothesis::Hypothesis;

@@ -2,7 +2,7 @@
 
 use effects::CompiledModel;
 
-use crate::Stated;
+use crate::DisplayUnit;
 use lab::criteria::{GROSS_RESIDUAL_SIGMAS, ROW_BLOCK_LENGTH};
 use lab::{
     CovariateField, CovariateStudy, Evidence, EvidenceError, RowEvidence, Split, StructureTest, covariate_study,
@@ -22,15 +22,17 @@ const COVARIATES: [Known; 5] = [
 
 /// Name and unit of a covariate: those above, the order of the rows, rows since the tool was fresh, states that columns
 /// measure, and further columns.
-pub fn covariate(evidence: &RowEvidence, at: usize) -> (String, Stated) {
+pub fn covariate(evidence: &RowEvidence, at: usize) -> (String, DisplayUnit) {
     let table = evidence.table;
-    let plain = |name: &str| (name.to_owned(), Stated::new("", 1.0));
+    let plain = |name: &str| (name.to_owned(), DisplayUnit::new("", 1.0));
     let rest = at.checked_sub(COVARIATES.len() + 2);
     match (COVARIATES.get(at), rest) {
-        (Some((name, unit, si, _)), _) => ((*name).to_owned(), Stated::new(unit, *si)),
+        (Some((name, unit, si, _)), _) => ((*name).to_owned(), DisplayUnit::new(unit, *si)),
         (None, None) => plain(if at == COVARIATES.len() { "row" } else { "rows since the tool was fresh" }),
         (None, Some(rest)) => match table.usage.get(rest) {
-            Some(usage) => (usage.name.clone(), Stated::new(if usage.unit == "1" { "" } else { &usage.unit }, 1.0)),
+            Some(usage) => {
+                (usage.name.clone(), DisplayUnit::new(if usage.unit == "1" { "" } else { &usage.unit }, 1.0))
+            }
             None => plain(&table.covariates[rest - table.usage.len()].name),
         },
     }

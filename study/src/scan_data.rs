@@ -2,7 +2,7 @@
 
 use sdf_bake::PixelGrid;
 
-use super::data::Stated;
+use super::data::DisplayUnit;
 use lab::ErrorUnit;
 use trials::measure::Registration;
 use trials::trial::Role;
@@ -32,20 +32,20 @@ pub struct Misfit {
     /// Name of the measure, such as `height, root mean square` or `pixels that disagree`.
     pub name: String,
     /// Display unit, such as µm or %.
-    pub unit: Stated,
+    pub unit: DisplayUnit,
 }
 
 impl Misfit {
     /// Height error in micrometres.
     pub fn heights() -> Self {
-        Self { name: "height, root mean square".to_owned(), unit: Stated::new("µm", 1e-6) }
+        Self { name: "height, root mean square".to_owned(), unit: DisplayUnit::new("µm", 1e-6) }
     }
 
     /// Errors of scans, or of the removal of a table's rows.
     pub fn of(unit: ErrorUnit) -> Self {
         match unit {
             ErrorUnit::Metre => Self::heights(),
-            ErrorUnit::Share => Self { name: "removal".to_owned(), unit: Stated::new("%", 0.01) },
+            ErrorUnit::Share => Self { name: "removal".to_owned(), unit: DisplayUnit::new("%", 0.01) },
         }
     }
 }
@@ -196,7 +196,7 @@ pub struct CovariatePlot {
     /// Name, such as `contact pressure`.
     pub name: String,
     /// Display unit.
-    pub unit: Stated,
+    pub unit: DisplayUnit,
     /// Bins in ascending order of the covariate.
     pub bins: Vec<Bin>,
     /// The same bins with the effects found; empty if there are none.

@@ -4,7 +4,7 @@ use sdf_bake::HeightMap;
 use sim::Covariates;
 
 use super::track::Ground;
-use crate::Stated;
+use crate::DisplayUnit;
 use lab::Simulated;
 use lab::criteria::{TILE_BLOCK_SIDE, TRACK_REMOVAL_SHARE, TRACK_REMOVAL_SIGMAS};
 use lab::{
@@ -36,9 +36,9 @@ const COVARIATES: [(&str, &str, f64); 18] = [
 ];
 
 /// Name and unit of a covariate.
-pub fn covariate(at: usize) -> (String, Stated) {
+pub fn covariate(at: usize) -> (String, DisplayUnit) {
     let (name, unit, si) = COVARIATES[at];
-    (name.to_owned(), Stated::new(unit, si))
+    (name.to_owned(), DisplayUnit::new(unit, si))
 }
 
 /// Studies the dependence of a split's residuals on the covariates of each place.

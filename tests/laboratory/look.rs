@@ -3,8 +3,8 @@
 
 use effects::{CompiledModel, Effect, Library, Model, Process, RowCounts};
 use lab::{
-    Agreement, Candidate, Evidence, EvidenceError, Fit, FitOptions, Look, PassTrend, Projector, ScanEvidence, Screened,
-    Sides, Split, calibrate_scans, detectable, with_values,
+    Agreement, Baseline, Candidate, Evidence, EvidenceError, Fit, FitOptions, PassTrend, Projector, ScanEvidence,
+    Screened, Sides, Split, calibrate_scans, detectable, with_values,
 };
 use virtual_lab::{Choice, Experiment, Hidden, Instrument, Plan, Robot, Size};
 
@@ -96,15 +96,15 @@ fn screened(evidence: &dyn Evidence, fit: &Fit, effect: &str) -> Screened {
     let effect = Library::builtin().find(effect).unwrap();
     let model = with_values(&Model::new(Process::Grinding), fit);
     let candidate = Candidate::new(evidence, &model, effect, Library::builtin()).unwrap();
-    Screened::new(&Look { evidence, base: fit, projector: &Projector::new(fit) }, candidate)
+    Screened::new(&Baseline { evidence, base: fit, projector: &Projector::new(fit) }, candidate)
 }
 
 #[test]
 fn a_base_law_fitted_to_a_detectable_size_leaves_what_is_seen() {
     let (evidence, fit) = base(0.0);
     let first = screened(&evidence, &fit, BREAK_IN);
-    let look = Look { evidence: &evidence, base: &fit, projector: &Projector::new(&fit) };
-    let sizes = detectable(&look, &first, (1.0, 0.0));
+    let baseline = Baseline { evidence: &evidence, base: &fit, projector: &Projector::new(&fit) };
+    let sizes = detectable(&baseline, &first, (1.0, 0.0));
     let size = sizes.iter().find(|row| row.parameter == "excess").expect("it has an amplitude");
     assert_eq!((size.sides, size.testable), (Sides::All, true));
     for excess in [1.0, -1.0].map(|side| side * size.size.unwrap()) {

@@ -199,9 +199,9 @@ fn covariates() -> Vec<CovariatePlot> {
         p_value_of_all: (3.0 * p_value).min(1.0),
     };
     vec![
-        plot("contact pressure", Stated::new("MPa", 1e6), [0.1e6, 0.62e6], 6.0, 0.117, 0.083),
-        plot("removed volume", Stated::new("mm³", 1e-9), [0.0, 280e-9], 24.0, 0.731, 0.0004),
-        plot("slip speed", Stated::new("m/s", 1.0), [29.0, 31.4], 1.0, 0.021, 0.41),
+        plot("contact pressure", DisplayUnit::new("MPa", 1e6), [0.1e6, 0.62e6], 6.0, 0.117, 0.083),
+        plot("removed volume", DisplayUnit::new("mm³", 1e-9), [0.0, 280e-9], 24.0, 0.731, 0.0004),
+        plot("slip speed", DisplayUnit::new("m/s", 1.0), [29.0, 31.4], 1.0, 0.021, 0.41),
     ]
 }
 
@@ -360,7 +360,7 @@ pub fn sanding() -> StudyReport {
         with_effect: None,
     };
     let mut report = bare("panels, new sheet each");
-    report.waterfall.misfit = Misfit { name: "pixels that disagree".into(), unit: Stated::new("%", 0.01) };
+    report.waterfall.misfit = Misfit { name: "pixels that disagree".into(), unit: DisplayUnit::new("%", 0.01) };
     report.scans =
         vec![ScanComparison { pass: "panel-1, pass 1".into(), role: Role::Evaluation, maps: Maps::Exposure(maps) }];
     report

@@ -315,7 +315,7 @@ impl<'a> Simulation<'a> {
         let record = Executor::from(self.device).run_pass(&mut state.part, pass, &mut state.tool, progress);
         let record = record.map_err(|error| SimulationError::Pass { pass: number, error })?;
         self.count(state);
-        let seen = self.seen(model, state, record)?;
+        let seen = self.scanned(model, state, record)?;
         Ok(SimulatedPass { covariates: covariates.map(RefCell::into_inner), ..seen })
     }
 
@@ -359,7 +359,7 @@ impl<'a> Simulation<'a> {
     ///
     /// # Errors
     /// [`SimulationError::Scan`] if a formula of the scanner fails.
-    pub fn seen(
+    pub fn scanned(
         &self,
         model: &CompiledModel,
         state: &TrialState,

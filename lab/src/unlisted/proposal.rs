@@ -250,8 +250,8 @@ fn fall_of_error(unit: ErrorUnit, errors: &[WaterfallStep]) -> String {
 
 /// Points of the curve of the rate over the form's variable, with the form's own values.
 fn points(evidence: &dyn Evidence, fitted: &Fitted) -> Result<Vec<CurvePoint>, EvidenceError> {
-    let (looked, _) = again(evidence, fitted)?;
-    let Some(own) = looked.into_iter().find(|looked| fitted.form.is_over(&looked.basis)) else {
+    let (screened, _) = again(evidence, fitted)?;
+    let Some(own) = screened.into_iter().find(|screened| fitted.form.is_over(&screened.basis)) else {
         return Ok(Vec::new());
     };
     let curve = if fitted.form.action.is_factor() { own.curve.without_form() } else { own.curve };

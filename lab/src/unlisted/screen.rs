@@ -26,7 +26,7 @@ pub(crate) struct Expected {
 }
 
 /// A variable with its curve and forms, best first.
-pub(crate) struct Looked {
+pub(crate) struct ScreenedBasis {
     /// Hat functions over the variable.
     pub basis: Basis,
     /// The curve that predicts best.
@@ -36,8 +36,8 @@ pub(crate) struct Looked {
 }
 
 /// Takes a first look at all variables; those whose curve predicts best come first.
-pub(crate) fn look(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec<Looked> {
-    let one = |basis: Basis| -> Option<Looked> {
+pub(crate) fn screen_bases(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec<ScreenedBasis> {
+    let one = |basis: Basis| -> Option<ScreenedBasis> {
         let beside = folds.beside(fit, &basis.columns);
         let curve = Curve::best(&beside, basis.knots.len())?;
         let best = |kind| {
@@ -45,11 +45,11 @@ pub(crate) fn look(folds: &CrossValidation, fit: &Fit, bases: Vec<Basis>) -> Vec
         };
         let mut forms: Vec<Expected> = KINDS.into_iter().filter_map(best).collect();
         forms.sort_by(|a, b| b.score.total_cmp(&a.score));
-        Some(Looked { basis, curve, forms })
+        Some(ScreenedBasis { basis, curve, forms })
     };
-    let mut looked: Vec<Looked> = bases.into_par_iter().filter_map(one).collect();
-    looked.sort_by(|a, b| b.curve.density.total_cmp(&a.curve.density));
-    looked
+    let mut screened: Vec<ScreenedBasis> = bases.into_par_iter().filter_map(one).collect();
+    screened.sort_by(|a, b| b.curve.density.total_cmp(&a.curve.density));
+    screened
 }
 
 /// The form of a kind whose shape predicts best. All shapes are equally likely a priori, so that the kind has the mean

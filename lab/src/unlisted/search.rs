@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::action::Action;
 use super::basis::Basis;
 use super::form::Kind;
-use super::screen::{Expected, Looked, look};
+use super::screen::{Expected, ScreenedBasis, screen_bases};
 use super::trial_fit::Fitted;
 use crate::criteria::{FORMS_FITTED, FORMS_PER_VARIABLE, FORMS_REFINED};
 use crate::cross_validation::CrossValidation;
@@ -36,11 +36,12 @@ impl Search {
         (model, base): (&Model, &Fit),
         library: &Library,
     ) -> Result<Self, EvidenceError> {
-        let looked = look(&CrossValidation::by_pass(evidence, base), base, evidence.bases((model, base), library)?);
-        let mut first = chosen(&looked, None);
-        first.extend(lines(&looked, &first));
+        let screened =
+            screen_bases(&CrossValidation::by_pass(evidence, base), base, evidence.bases((model, base), library)?);
+        let mut first = chosen(&screened, None);
+        first.extend(lines(&screened, &first));
         let mut fitted = fitted(evidence, (model, base), library, &first);
-        let bases = looked.into_iter().map(|looked| looked.basis).collect();
+        let bases = screened.into_iter().map(|screened| screened.basis).collect();
         if let Some(best) = fitted.first() {
             let (again, without) = again(evidence, best)?;
             let known = best.form.name();
@@ -58,9 +59,9 @@ impl Search {
 ///
 /// # Errors
 /// If the model cannot be simulated.
-pub(crate) fn again(evidence: &dyn Evidence, best: &Fitted) -> Result<(Vec<Looked>, Fit), EvidenceError> {
+pub(crate) fn again(evidence: &dyn Evidence, best: &Fitted) -> Result<(Vec<ScreenedBasis>, Fit), EvidenceError> {
     let (bases, without) = best.without_form(evidence)?;
-    Ok((look(&CrossValidation::by_pass(evidence, &best.fit), &without, bases), without))
+    Ok((screen_bases(&CrossValidation::by_pass(evidence, &best.fit), &without, bases), without))
 }
 
 /// Fits forms, the best until convergence. Least χ² first.
@@ -86,18 +87,18 @@ fn sort(fitted: &mut [Fitted]) {
 
 /// A line of the rate over each variable without a chosen form: with biased base parameters the first look may rank the
 /// true variable low.
-fn lines<'a>(looked: &'a [Looked], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a Basis, &'a Expected)> {
-    let is_new = |one: &&Looked| {
+fn lines<'a>(screened: &'a [ScreenedBasis], chosen: &[(&Basis, &Expected)]) -> Vec<(&'a Basis, &'a Expected)> {
+    let is_new = |one: &&ScreenedBasis| {
         one.basis.action == Action::Rate && chosen.iter().all(|(basis, _)| basis.variable != one.basis.variable)
     };
-    let line = |one: &'a Looked| Some((&one.basis, one.forms.iter().find(|form| form.form.kind == Kind::Line)?));
-    looked.iter().filter(is_new).filter_map(line).collect()
+    let line = |one: &'a ScreenedBasis| Some((&one.basis, one.forms.iter().find(|form| form.form.kind == Kind::Line)?));
+    screened.iter().filter(is_new).filter_map(line).collect()
 }
 
 /// The forms that are expected to predict best, a few for each variable, without the known one.
-fn chosen<'a>(looked: &'a [Looked], known: Option<&str>) -> Vec<(&'a Basis, &'a Expected)> {
+fn chosen<'a>(screened: &'a [ScreenedBasis], known: Option<&str>) -> Vec<(&'a Basis, &'a Expected)> {
     let mut all: Vec<(&Basis, &Expected)> = Vec::new();
-    for one in looked {
+    for one in screened {
         let forms = one.forms.iter().take(FORMS_PER_VARIABLE);
         all.extend(forms.map(|form| (&one.basis, form)));
     }

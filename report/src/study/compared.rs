@@ -6,7 +6,7 @@ use super::words::{list, role};
 use crate::{Cell, Page, Table, escape, exact};
 use lab::Verdict;
 use study::with_raised_powers;
-use study::{Compared, Conclusion, Stated, StudyReport};
+use study::{Compared, Conclusion, DisplayUnit, StudyReport};
 use study::{ComparedPass, PassVolume, Waterfall, WaterfallStep};
 
 /// Angular speed of 1 rpm [rad/s].
@@ -76,7 +76,7 @@ fn glance(waterfall: &Waterfall) -> String {
 }
 
 /// Builds the line of one kind of passes: their error and noise floor; `None` without such passes.
-fn line(unit: &Stated, (passes, error, floor): (&str, Option<f64>, Option<f64>)) -> Option<String> {
+fn line(unit: &DisplayUnit, (passes, error, floor): (&str, Option<f64>, Option<f64>)) -> Option<String> {
     let error = error?;
     let floor = floor.map_or(String::new(), |floor| {
         let shown = significant(unit.of(floor), 3);

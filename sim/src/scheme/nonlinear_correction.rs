@@ -17,8 +17,11 @@ pub(super) fn left(depth: f64, share: f64, recession: f64) -> f64 {
 /// Corrects the lanes whose law is nonlinear.
 pub(super) fn bend((start, end, reached): (&ContactState, &ContactState, &ContactState), dt: f64, out: &mut Relaxed) {
     for lane in 0..reached.depth.len() {
-        let at =
-            |end: &ContactState| Look { depth: end.depth[lane], pressure: end.pressure[lane], rate: end.rate[lane] };
+        let at = |end: &ContactState| LaneState {
+            depth: end.depth[lane],
+            pressure: end.pressure[lane],
+            rate: end.rate[lane],
+        };
         let shares = [start.share[lane], end.share[lane]];
         let looks = Looks { start: at(start), end: at(end), reached: at(reached), shares };
         if shares[1] > 0.0 {
@@ -29,7 +32,7 @@ pub(super) fn bend((start, end, reached): (&ContactState, &ContactState, &Contac
 
 /// The law at a depth.
 #[derive(Clone, Copy)]
-struct Look {
+struct LaneState {
     depth: f64,
     pressure: f64,
     rate: f64,
@@ -37,9 +40,9 @@ struct Look {
 
 /// The law at the start of a step, at its end without recession, and at its end with recession.
 struct Looks {
-    start: Look,
-    end: Look,
-    reached: Look,
+    start: LaneState,
+    end: LaneState,
+    reached: LaneState,
     /// Shares in contact at start and end.
     shares: [f64; 2],
 }
@@ -75,6 +78,6 @@ fn slope(a: (f64, f64), b: (f64, f64)) -> Option<f64> {
 }
 
 /// Slope of the pressure over the depth [Pa/m].
-fn slope_of_pressure(end: &Look, reached: &Look) -> f64 {
+fn slope_of_pressure(end: &LaneState, reached: &LaneState) -> f64 {
     slope((reached.depth, reached.pressure), (end.depth, end.pressure)).unwrap_or(end.pressure / end.depth)
 }

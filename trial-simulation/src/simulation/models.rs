@@ -95,6 +95,6 @@ impl Simulation<'_> {
         let sim::gpu::Outcome { part, tool, record } = outcome.map_err(failed)?;
         (state.part, state.tool) = (part, tool);
         self.count(state);
-        self.seen(model, state, record.map_err(failed)?)
+        self.scanned(model, state, record.map_err(failed)?)
     }
 }

@@ -163,7 +163,7 @@ fn picture(looked: &PictureData, asked: &PictureRequest) -> Result<(Picture, Val
 }
 
 /// Renders the geometry buffer at the centre of each pixel, with removed depth.
-pub(super) fn seen(looked: &PictureData, asked: &PictureRequest) -> Result<Frame, Refusal> {
+pub(super) fn frame(looked: &PictureData, asked: &PictureRequest) -> Result<Frame, Refusal> {
     let (trial, field, before) = (looked.trial(asked)?, looked.field(asked, asked.pass)?, looked.field(asked, 0)?);
     let camera = asked.turn().camera(&trial.before, (asked.width, asked.height));
     let removed = Some(RemovedView { before: &before, full_scale: Some(1.0) });

@@ -4,7 +4,7 @@ use render::VisibleObject;
 use serde_json::{Value, json};
 
 use super::paint::place;
-use super::picture::{PictureData, PictureRequest, SurfaceSource, seen};
+use super::picture::{PictureData, PictureRequest, SurfaceSource, frame};
 use crate::bench::{Residuals, interpolated};
 use crate::error::Refusal;
 
@@ -15,7 +15,7 @@ use crate::error::Refusal;
 /// # Errors
 /// If the pixel does not show the part, or there is no surface yet.
 pub(crate) fn probed(looked: &PictureData, asked: &PictureRequest, (x, y): (usize, usize)) -> Result<Value, Refusal> {
-    let frame = seen(looked, asked)?;
+    let frame = frame(looked, asked)?;
     let at = y * frame.width + x;
     if x >= frame.width || y >= frame.height || frame.seen[at] != VisibleObject::Part {
         return Err(Refusal::missing("no part is there"));
