@@ -11,7 +11,7 @@ import json
 import sys
 
 import numpy
-from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdValidation
+from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
 
 def report(path, prims=0, bbox=None, errors=()):
@@ -32,7 +32,8 @@ def inspect(path, stage):
     prims = list(stage.Traverse())
     errors = metadata_errors(stage) + validator_errors(stage)
     for prim in prims:
-        found = [f"{prim.GetPath()}: {text}" for text in shape_errors(prim) + primvar_errors(prim)]
+        texts = shape_errors(prim) + primvar_errors(prim) + material_errors(prim)
+        found = [f"{prim.GetPath()}: {text}" for text in texts]
         errors += found
     if not any(prim.IsA(UsdGeom.Mesh) for prim in prims):
         errors.append("no mesh")
@@ -54,6 +55,16 @@ def validator_errors(stage):
     found = UsdValidation.ValidationContext(validators).Validate(stage)
     serious = [UsdValidation.ValidationErrorType.Error, UsdValidation.ValidationErrorType.Warn]
     return sorted(error.GetErrorAsString() for error in found if error.GetType() in serious)
+
+
+def material_errors(prim):
+    """What a renderer of previews or of MaterialX lacks in a material."""
+    if not prim.IsA(UsdShade.Material):
+        return []
+    material = UsdShade.Material(prim)
+    wanted = {"": "UsdPreviewSurface", "mtlx": "ND_standard_surface_surfaceshader"}
+    found = {context: material.ComputeSurfaceSource([context])[0].GetIdAttr().Get() for context in wanted}
+    return [f"its surface is {found[context]}, expected {kind}" for context, kind in wanted.items() if found[context] != kind]
 
 
 def shape_errors(prim):

@@ -84,28 +84,51 @@ def define_mass(prim, mass):
 
 
 def define_materials(stage, parts):
-    """One UsdPreviewSurface material, also of steel for physics, for each glTF material in use, by name."""
+    """One material for each glTF material in use, by name: for previews, for MaterialX, and of steel for physics."""
     UsdGeom.Scope.Define(stage, "/workpiece/materials")
     materials = {}
     for source in {part.material["name"]: part.material for part in parts}.values():
         material = UsdShade.Material.Define(stage, f"/workpiece/materials/{source['name']}")
-        shader = UsdShade.Shader.Define(stage, f"{material.GetPath()}/surface")
-        shader.CreateIdAttr("UsdPreviewSurface")
         look = source["pbrMetallicRoughness"]
-        inputs = [
-            ("diffuseColor", Sdf.ValueTypeNames.Color3f, Gf.Vec3f(look["baseColorFactor"][:3])),
-            ("metallic", Sdf.ValueTypeNames.Float, look["metallicFactor"]),
-            ("roughness", Sdf.ValueTypeNames.Float, look["roughnessFactor"]),
-        ]
-        for name, kind, value in inputs:
-            shader.CreateInput(name, kind).Set(value)
-        material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+        values = (Gf.Vec3f(look["baseColorFactor"][:3]), look["metallicFactor"], look["roughnessFactor"])
+        define_preview(stage, material, values)
+        define_materialx(stage, material, values)
         physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
         physics.CreateStaticFrictionAttr(STATIC_FRICTION)
         physics.CreateDynamicFrictionAttr(DYNAMIC_FRICTION)
         physics.CreateRestitutionAttr(RESTITUTION)
         materials[source["name"]] = material
     return materials
+
+
+def define_preview(stage, material, values):
+    """Colour, metalness and roughness as a UsdPreviewSurface."""
+    shader = define_shader(stage, f"{material.GetPath()}/surface", "UsdPreviewSurface")
+    set_inputs(shader, ("diffuseColor", "metallic", "roughness"), values)
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+
+
+def define_materialx(stage, material, values):
+    """The same as a Standard Surface of MaterialX."""
+    shader = define_shader(stage, f"{material.GetPath()}/standard_surface", "ND_standard_surface_surfaceshader")
+    shader.CreateInput("base", Sdf.ValueTypeNames.Float).Set(1.0)
+    set_inputs(shader, ("base_color", "metalness", "specular_roughness"), values)
+    output = shader.CreateOutput("out", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput("mtlx").ConnectToSource(output)
+
+
+def define_shader(stage, path, kind):
+    """A shader node of a registered kind."""
+    shader = UsdShade.Shader.Define(stage, path)
+    shader.CreateIdAttr(kind)
+    return shader
+
+
+def set_inputs(shader, names, values):
+    """Sets a colour and two numbers."""
+    kinds = (Sdf.ValueTypeNames.Color3f, Sdf.ValueTypeNames.Float, Sdf.ValueTypeNames.Float)
+    for name, kind, value in zip(names, kinds, values):
+        shader.CreateInput(name, kind).Set(value)
 
 
 def define_part(stage, part, material):

@@ -127,7 +127,7 @@ pub fn bake_part(part: &Part, options: &BakeOptions) -> Result<BakedField> {
         ambiguous_share: report.ambiguous_share,
         bricks: report.bricks,
         active_voxels: report.active_voxels,
-        warnings: part.warnings.clone(),
+        warnings: part.source.unit_doubts.clone(),
         volume_mm3: measures.volume * 1e9,
         area_mm2: measures.area * 1e6,
     };

@@ -42,6 +42,9 @@ pub struct Source {
     pub unit: String,
     /// Reason for the unit.
     pub unit_reason: String,
+    /// Doubts about the unit, from the size of the part, with remedies.
+    #[serde(default)]
+    pub unit_doubts: Vec<String>,
 }
 
 /// A cleaned mesh with its source and reports.
@@ -53,8 +56,6 @@ pub struct Part {
     pub mesh: Mesh,
     /// Notes of the reader.
     pub notes: Vec<String>,
-    /// Warnings on an implausible size, with remedies.
-    pub warnings: Vec<String>,
     /// Report of the cleaning.
     pub cleaning: CleanReport,
 }
@@ -107,15 +108,15 @@ impl Part {
             "the part is {longest:e} m long ({}), and {LEAST_SIZE:e} m to {MOST_SIZE:e} m is accepted: is --unit right?",
             file.unit_reason
         );
-        let warnings = size_warning(longest, (file.unit, file.unit_doubtful)).into_iter().collect();
         let source = Source {
             file: name.to_owned(),
             sha256: sha256(bytes),
             bytes: bytes.len() as u64,
             unit: file.unit.to_string(),
             unit_reason: file.unit_reason,
+            unit_doubts: size_warning(longest, (file.unit, file.unit_doubtful)).into_iter().collect(),
         };
-        Ok(Self { source, mesh, notes: file.notes, warnings, cleaning })
+        Ok(Self { source, mesh, notes: file.notes, cleaning })
     }
 
     /// Returns the extent of the bounding box [m].
@@ -129,7 +130,7 @@ impl Part {
         for note in &self.notes {
             console.step("note", note);
         }
-        for warning in &self.warnings {
+        for warning in &self.source.unit_doubts {
             console.step("warning", warning);
         }
         console.step("clean", self.cleaning_summary());

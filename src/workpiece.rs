@@ -136,7 +136,7 @@ impl Workpiece {
     /// Lists implausible or unmet properties, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let of_welds = self.welds.iter().flat_map(|placed| limits::bead_warnings(&placed.weld));
-        self.part.warnings.iter().cloned().chain(of_welds).collect()
+        self.part.source.unit_doubts.iter().cloned().chain(of_welds).collect()
     }
 }
 

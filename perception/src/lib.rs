@@ -20,6 +20,7 @@
 
 // Units are in brackets: `[m]` is not a link.
 
+mod clutter;
 pub mod coco;
 mod jpeg;
 mod looks;
@@ -30,9 +31,10 @@ mod shot;
 mod view;
 pub mod yolo;
 
-pub use looks::{Look, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
+pub use clutter::{ObstacleDraw, ObstacleShape};
+pub use looks::{DustDraw, Look, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
 pub use sanding::{SPINDLE, SandingError, Setting, StageFigures, sand};
 pub use scene::{CameraDraw, LampDraw, MaterialDraw, NoSurface, PlacementDraw, Scene, Seeds, SensorDraw};
 pub use shapes::Shape;
 pub use shot::{Shot, shoot};
-pub use view::{Intrinsics, View, VisibleWeld, depth_steps, instances};
+pub use view::{Intrinsics, View, ViewFrame, VisibleWeld, depth_steps, instances};

@@ -1,9 +1,10 @@
-//! Domain randomisation of a photograph's appearance: textures, marks, primer, studio light, optics, compression. Each
+//! Domain randomisation of a photograph's appearance: things around the workpiece, dust, clear coat, textures, marks,
+//! primer, studio light, optics, compression. Each
 //! look has its own random stream, so switching one off changes nothing else in a scene.
 
 use glam::{DVec2, DVec3};
 use random::Stream;
-use render::{LightPanel, Optics, Texture, outward};
+use render::{Deposit, LightPanel, Material, Optics, Texture, outward};
 use serde::{Deserialize, Serialize};
 
 /// A look that can be left out, to measure what it teaches.
@@ -22,6 +23,12 @@ pub enum Look {
     Optics,
     /// Losses of JPEG.
     Compression,
+    /// A glossy coating.
+    ClearCoat,
+    /// Dust on workpiece and table.
+    Dust,
+    /// Things beside, on and before the workpiece.
+    Clutter,
 }
 
 /// The looks of one image; those that were left out are absent.
@@ -41,6 +48,23 @@ pub struct LookDraws {
     pub optics: Option<OpticsDraw>,
     /// Quality of the JPEG through which the picture went, 0 to 100.
     pub jpeg_quality: Option<u8>,
+    /// Roughness of a clear coat.
+    pub clear_coat: Option<f64>,
+    /// Dust.
+    pub dust: Option<DustDraw>,
+}
+
+/// Dust in spots.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DustDraw {
+    /// Linear RGB.
+    pub colour: DVec3,
+    /// Share of a level surface that it covers.
+    pub cover: f64,
+    /// Period of the spots [m].
+    pub period_m: f64,
+    /// Position of the pattern [periods].
+    pub offset: DVec3,
 }
 
 /// Variation of a material.
@@ -102,8 +126,17 @@ const DRAWN_HEIGHT: f64 = 480.0;
 
 impl Look {
     /// All looks.
-    pub const ALL: [Self; 6] =
-        [Self::Texture, Self::Swirl, Self::Primer, Self::Studio, Self::Optics, Self::Compression];
+    pub const ALL: [Self; 9] = [
+        Self::Texture,
+        Self::Swirl,
+        Self::Primer,
+        Self::Studio,
+        Self::Optics,
+        Self::Compression,
+        Self::ClearCoat,
+        Self::Dust,
+        Self::Clutter,
+    ];
 
     /// Returns the name in flags and files.
     pub fn name(self) -> &'static str {
@@ -114,6 +147,9 @@ impl Look {
             Self::Studio => "studio",
             Self::Optics => "optics",
             Self::Compression => "compression",
+            Self::ClearCoat => "clear-coat",
+            Self::Dust => "dust",
+            Self::Clutter => "clutter",
         }
     }
 
@@ -126,12 +162,15 @@ impl Look {
             Self::Studio => "luminous panels mirrored by glossy surfaces",
             Self::Optics => "defocus, motion, vignetting, colour balance",
             Self::Compression => "losses of JPEG",
+            Self::ClearCoat => "a glossy coating",
+            Self::Dust => "dust on workpiece and table",
+            Self::Clutter => "things beside, on and before the workpiece",
         }
     }
 }
 
 impl LookDraws {
-    /// Draws the given looks of an image.
+    /// Draws the given looks of an image; clutter belongs to the placement.
     pub(crate) fn draw(looks: &[Look], seed: u64) -> Self {
         let mut draws = Self::default();
         for &look in looks {
@@ -146,6 +185,11 @@ impl LookDraws {
                 Look::Studio => draws.panels = (0..1 + stream.below(3)).map(|_| PanelDraw::draw(stream)).collect(),
                 Look::Optics => draws.optics = Some(OpticsDraw::draw(stream)),
                 Look::Compression => draws.jpeg_quality = Some(stream.between([55.0, 96.0]) as u8),
+                Look::ClearCoat => {
+                    draws.clear_coat = stream.happens(0.4).then(|| stream.ratio_between([0.05, 0.25]));
+                }
+                Look::Dust => draws.dust = stream.happens(0.5).then(|| DustDraw::draw(stream)),
+                Look::Clutter => {}
             }
         }
         draws
@@ -205,6 +249,28 @@ impl SwirlDraw {
             width_m: stream.ratio_between([0.1e-3, 0.5e-3]),
             slope: stream.between([0.05, 0.3]),
             anisotropy: stream.between([0.2, 0.8]),
+        }
+    }
+}
+
+impl DustDraw {
+    fn draw(stream: &mut Stream) -> Self {
+        let warmth = stream.between([0.0, 0.4]);
+        let colour = stream.ratio_between([0.06, 0.45]) * DVec3::new(1.0, 1.0 - 0.4 * warmth, 1.0 - warmth);
+        Self {
+            colour,
+            cover: stream.between([0.0, 0.35]),
+            period_m: stream.ratio_between([2e-3, 50e-3]),
+            offset: offset(stream),
+        }
+    }
+
+    pub(crate) fn deposit(&self) -> Deposit {
+        Deposit {
+            material: Material { colour: self.colour.as_vec3(), roughness: 0.9, metallic: 0.0 },
+            cover: self.cover as f32,
+            period: self.period_m as f32,
+            offset: self.offset.as_vec3(),
         }
     }
 }
@@ -277,6 +343,8 @@ mod tests {
             assert_eq!(draws.panels.is_empty(), !keep(Look::Studio));
             assert_eq!(draws.optics, all.optics.filter(|_| keep(Look::Optics)));
             assert_eq!(draws.jpeg_quality, all.jpeg_quality.filter(|_| keep(Look::Compression)));
+            assert_eq!(draws.clear_coat, all.clear_coat.filter(|_| keep(Look::ClearCoat)));
+            assert_eq!(draws.dust, all.dust.filter(|_| keep(Look::Dust)));
         }
         assert_eq!(LookDraws::draw(&[], 7), LookDraws::default());
     }

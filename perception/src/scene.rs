@@ -2,11 +2,12 @@
 
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
-use render::{Camera, Distortion, Projection, outward};
+use render::{Camera, Distortion, Placement, Projection, outward};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::clutter::ObstacleDraw;
 use crate::looks::{Look, LookDraws};
 
 /// The field is entirely inside or entirely outside.
@@ -30,6 +31,8 @@ pub struct Scene {
     pub placement: PlacementDraw,
     /// Camera, the same for all images of a placement.
     pub camera: CameraDraw,
+    /// Things around the workpiece, the same for all images of a placement.
+    pub obstacles: Vec<ObstacleDraw>,
     /// Lamps, the brightest first.
     pub lamps: Vec<LampDraw>,
     /// Ambient light, relative to a bright workshop.
@@ -124,9 +127,16 @@ impl Scene {
         let aspect = size.0 as f64 / size.1 as f64;
         let camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(seeds.placement, "camera"));
         let mut light = Stream::of(seeds.image, "light");
+        let clutter = &mut Stream::of(seeds.placement, Look::Clutter.name());
+        let obstacles = if looks.contains(&Look::Clutter) {
+            ObstacleDraw::draw(part, (&placement, &camera), clutter)?
+        } else {
+            Vec::new()
+        };
         Ok(Self {
             placement,
             camera,
+            obstacles,
             lamps: lamps(&mut light),
             environment: light.between([0.35, 1.15]),
             material: MaterialDraw::draw(&mut Stream::of(seeds.image, "material")),
@@ -158,8 +168,13 @@ impl PlacementDraw {
         Self { table_m: lowest, ..placed }
     }
 
+    /// The pose for the renderer.
+    pub(crate) fn pose(&self) -> Placement {
+        Placement { rotation: self.rotation, translation: self.translation_m }
+    }
+
     pub(crate) fn to_scene(self, point: DVec3) -> DVec3 {
-        self.rotation * point + self.translation_m
+        self.pose().to_scene(point)
     }
 }
 

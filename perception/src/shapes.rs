@@ -100,7 +100,7 @@ impl Bodies {
 }
 
 /// Distance to a box about the origin with rounded edges (Quilez 2008, rounded box).
-fn rounded_box(p: DVec3, half: DVec3, radius: f64) -> f64 {
+pub(crate) fn rounded_box(p: DVec3, half: DVec3, radius: f64) -> f64 {
     let beyond = p.abs() - half + radius;
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0) - radius
 }

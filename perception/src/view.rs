@@ -2,10 +2,11 @@
 
 use export::rle::Extent;
 use glam::DVec3;
-use render::{Appearance, Field, Frame, Lights, Placement, Raster, Scene as Stage, VisibleObject};
+use render::{Appearance, Frame, Raster, Scene as Stage, VisibleObject};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
 
+use crate::clutter::cluttered;
 use crate::scene::{NoSurface, Scene, corners};
 
 /// Number of the background in instance labels.
@@ -35,8 +36,12 @@ pub struct View {
     pub part_to_camera_translation_m: [f64; 3],
     /// Lowest and highest corner of the workpiece's box in the part's frame [m].
     pub box_m: [[f64; 3]; 2],
-    /// Left, top, width, height of the workpiece in the picture [pixels].
+    /// Left, top, width, height of the visible workpiece in the picture [pixels].
     pub bounds: [usize; 4],
+    /// The same of the whole workpiece, as if nothing hid it.
+    pub amodal_bounds: [usize; 4],
+    /// Share of the workpiece's pixels in the picture that nothing hides.
+    pub visible_share: f64,
     /// Visible welds, by id.
     pub welds: Vec<VisibleWeld>,
     /// Depth of one step of the depth image [m]; 0 in it is background.
@@ -54,22 +59,39 @@ pub struct VisibleWeld {
     pub bounds: [usize; 4],
 }
 
+/// Buffers of a view.
+pub struct ViewFrame {
+    /// What the camera sees of the workpiece and of the things around it.
+    pub seen: Frame,
+    /// Whether the workpiece is at a pixel, as if nothing hid it.
+    pub amodal: Vec<bool>,
+}
+
+impl ViewFrame {
+    fn of(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Self {
+        let photograph = |field: &BrickGrid| {
+            let stage =
+                Stage { placement: scene.placement.pose(), appearance: Appearance::default(), ..Stage::new(field) };
+            stage.photograph(&scene.camera.camera(), &Raster { width, height, samples_per_side: 1 })
+        };
+        let shown = |frame: &Frame| frame.seen.iter().map(|seen| *seen == VisibleObject::Part).collect();
+        let seen = photograph(&cluttered(part, scene));
+        let amodal = if scene.obstacles.is_empty() { shown(&seen) } else { shown(&photograph(part)) };
+        Self { seen, amodal }
+    }
+}
+
 impl View {
-    /// Looks at a part; also returns the buffers, photographed bare in the light of a workshop.
+    /// Looks at a part; also returns the buffers with the things around it, photographed bare in the light of a workshop.
     ///
     /// # Errors
     /// If the field has no surface.
-    pub fn of(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Result<(Self, Frame), NoSurface> {
-        let placement = Placement { rotation: scene.placement.rotation, translation: scene.placement.translation_m };
-        let stage = Stage {
-            field: Field::new(part),
-            placement,
-            appearance: Appearance::default(),
-            table: None,
-            lights: Lights::default(),
-        };
-        let raster = Raster { width, height, samples_per_side: 1 };
-        let frame = stage.photograph(&scene.camera.camera(), &raster);
+    pub fn of(part: &BrickGrid, scene: &Scene, size: (usize, usize)) -> Result<(Self, ViewFrame), NoSurface> {
+        let placement = scene.placement.pose();
+        let frame = ViewFrame::of(part, scene, size);
+        let (width, height) = size;
+        let visible = Extent::of(width, height, |pixel| frame.seen.seen[pixel] == VisibleObject::Part);
+        let whole = Extent::of(width, height, |pixel| frame.amodal[pixel]);
         let [right, up, forward] = scene.camera.axes;
         let axes = [right, -up, forward];
         let to_part = scene.placement.rotation.inverse();
@@ -79,8 +101,10 @@ impl View {
             part_to_camera_rotation: axes.map(|axis| (to_part * axis).to_array()),
             part_to_camera_translation_m: axes.map(|axis| axis.dot(placement.translation - scene.camera.eye_m)),
             box_m: [low.to_array(), high.to_array()],
-            bounds: Extent::of(width, height, |pixel| frame.seen[pixel] == VisibleObject::Part).bounds,
-            welds: welds(&frame),
+            bounds: visible.bounds,
+            amodal_bounds: whole.bounds,
+            visible_share: visible.area as f64 / whole.area.max(1) as f64,
+            welds: welds(&frame.seen),
             depth_step_m: DEPTH_STEP,
         };
         Ok((view, frame))
@@ -148,7 +172,7 @@ mod tests {
     fn every_pixel_s_point_projects_to_its_middle_and_lies_at_its_depth() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 9, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, frame) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { seen: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
         let seen: Vec<usize> = (0..80 * 60).filter(|&pixel| frame.seen[pixel] == VisibleObject::Part).collect();
         assert!(seen.len() > 500, "{}", seen.len());
         for &pixel in &seen {
@@ -168,7 +192,7 @@ mod tests {
     fn instances_and_boxes_are_those_of_the_welds() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 2, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, frame) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { seen: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
         let labels = instances(&frame);
         assert!(!view.welds.is_empty());
         for weld in &view.welds {

@@ -97,7 +97,8 @@ def balls(tmp_path_factory: pytest.TempPathFactory) -> Path:
     x, y = straightened(*rays())
     depth = ball(x, y)
     Image.fromarray(np.rint(1e4 * depth).astype(np.uint16)).save(root / "views/ball-p00-depth.png")
-    Image.fromarray((depth > 0).astype(np.uint8)).save(root / "views/ball-p00-instances.png")
+    for kind in ("instances", "amodal"):
+        Image.fromarray((depth > 0).astype(np.uint8)).save(root / f"views/ball-p00-{kind}.png")
     matrix = [[FOCUS, 0.0, 0.5 * (WIDTH - 1)], [0.0, FOCUS, 0.5 * (HEIGHT - 1)], [0.0, 0.0, 1.0]]
     view = {"id": "ball-p00", "camera": {"matrix": matrix, "distortion": DISTORTION}, "files": [],
             "part_to_camera_rotation": ROTATION.tolist(), "part_to_camera_translation_m": TRANSLATION.tolist()}
@@ -118,7 +119,7 @@ def _write(root: Path, split: str, name: str, drawn: tuple[np.ndarray, np.ndarra
         Image.fromarray(kind * mask.astype(np.uint8)).save(root / path)
     treatment = {"kind": "stage", "pattern": "spiral", "stage": 1} if name.endswith("1") else {"kind": "bare"}
     views = {key: f"views/ball-p00{end}" for key, end in
-             (("view", ".json"), ("instances", "-instances.png"), ("depth", "-depth.png"))}
+             (("view", ".json"), ("instances", "-instances.png"), ("depth", "-depth.png"), ("amodal", "-amodal.png"))}
     return {"file_name": f"images/{name}.png", "id": name, "workpiece": "ball", "placement": 0, "treatment": treatment,
             "exposed_share": 0.25, "scene": {"sensor": {"seed": SEED}}} | labels | views
 
@@ -246,7 +247,7 @@ def test_croissant_states_the_licence_of_bundled_workpieces_only(balls: Path, tm
     root = tmp_path / "set"
     shutil.copytree(balls, root)
     for kind, stated in (("shape", True), ("asset", False)):
-        recipe = {"format": "robofin-images/2", "version": "0.1.0", "workpieces": [{"origin": {"kind": kind}}]}
+        recipe = {"format": "robofin-images/3", "version": "0.1.0", "workpieces": [{"origin": {"kind": kind}}]}
         (root / "dataset.json").write_text(json.dumps(recipe))
         content = json.loads((write(root, "croissant", tmp_path / kind) / "croissant.json").read_text())
         assert content["version"] == "0.1.0" and ("license" in content) == stated

@@ -15,6 +15,8 @@ pub enum VisibleObject {
     Part = 1,
     /// The table that the part stands on.
     Table = 2,
+    /// A thing that is no part.
+    Obstacle = 3,
 }
 
 /// Float buffers of one view, row by row from the top left, shape `[height, width]` each.
@@ -34,9 +36,9 @@ pub struct Frame {
     pub normal: Vec<Vec3>,
     /// Point on the surface in the part's frame [m]; zero for background.
     pub position: Vec<Vec3>,
-    /// Weld id; 0 for base metal and background.
+    /// Weld id; 0 for base metal, background and obstacles.
     pub weld: Vec<u16>,
-    /// Coating dose D, 1 where the coating is gone; 0 for background.
+    /// Coating dose D, 1 where the coating is gone; 0 for background and obstacles.
     pub dose: Vec<f32>,
     /// Removed depth [m]; 0 where nothing was removed and for background.
     pub removed: Vec<f32>,

@@ -9,7 +9,7 @@ use super::lockstep::Crossings;
 use super::padded::Cells;
 use super::ray_packet::common_clear_length;
 use super::rays::{ImagePositions, Rays, Wide};
-use super::scene::Stage;
+use super::scene::{FIRST_OBSTACLE, Stage};
 use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};
 use super::walk::integers;
 
@@ -17,6 +17,7 @@ use super::walk::integers;
 pub(crate) struct Samples {
     /// Unit directions of the rays.
     pub(crate) directions: Points,
+    /// Metal of the field: the part or an obstacle.
     pub(crate) is_part: [bool; LANES],
     pub(crate) is_table: [bool; LANES],
     /// Distance along the camera's axis [m]; infinite without a hit.
@@ -27,8 +28,10 @@ pub(crate) struct Samples {
     pub(crate) points: Points,
     /// Outward unit normals.
     pub(crate) normals: Points,
-    /// Weld ids, 0 for base metal.
+    /// Weld ids, 0 for base metal and obstacles.
     pub(crate) weld: [u16; LANES],
+    /// Labels of obstacles, 0 for the part.
+    pub(crate) obstacle: [u16; LANES],
     /// Share of weld metal around the points, 0 to 1.
     pub(crate) weld_share: Lanes,
     pub(crate) dose: Lanes,
@@ -47,6 +50,7 @@ impl Samples {
         points: Points::ZERO,
         normals: Points::ZERO,
         weld: [0; LANES],
+        obstacle: [0; LANES],
         weld_share: [0.0; LANES],
         dose: [0.0; LANES],
         removed: [0.0; LANES],
@@ -56,6 +60,7 @@ impl Samples {
     #[inline(always)]
     pub(crate) fn seen(&self, lane: usize) -> VisibleObject {
         match (self.is_part[lane], self.is_table[lane]) {
+            (true, _) if self.obstacle[lane] > 0 => VisibleObject::Obstacle,
             (true, _) => VisibleObject::Part,
             (false, true) => VisibleObject::Table,
             (false, false) => VisibleObject::Background,
@@ -191,6 +196,10 @@ impl PrimaryRays<'_> {
                 Some(label) => (label, f32::from(label.min(1))),
                 None => welds.of(low, |corner| WeldCell::new(field, corner)).at(below.get(i) - low),
             };
+            if samples.weld[i] >= FIRST_OBSTACLE {
+                samples.obstacle[i] = std::mem::take(&mut samples.weld[i]);
+                (samples.weld_share[i], samples.dose[i], samples.removed[i]) = (0.0, 0.0, 0.0);
+            }
         }
     }
 }

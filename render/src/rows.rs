@@ -63,7 +63,8 @@ impl<'a, const N: usize> Rows<'a, N> {
             fill(&mut self.dose[all.clone()], put.clone().map(|i| samples.dose[i]));
             fill(&mut self.removed[all.clone()], put.clone().map(|i| samples.removed[i]));
             fill(&mut self.seen[all.clone()], put.clone().map(|i| samples.seen(i)));
-            let on_part = |i: usize, light: &Points| if samples.is_part[i] { light.get(i) } else { Vec3::ZERO };
+            let is_part = |i: usize| samples.seen(i) == VisibleObject::Part;
+            let on_part = |i: usize, light: &Points| if is_part(i) { light.get(i) } else { Vec3::ZERO };
             fill(&mut self.colours[all], put.map(|i| others.each_ref().map(|light| on_part(i, light))));
         }
     }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
 use super::camera::Camera;
+use super::deposit::Deposit;
 use super::field::Field;
 use super::frame::Frame;
 use super::gbuffer_lanes::{Clear, PrimaryRays, Samples};
@@ -21,6 +22,9 @@ use super::tile::{TILE, TileVisibility, tile_pixels};
 
 /// Adjacent tiles for which one ray determines the clear length.
 const TILES: usize = 4;
+
+/// Label of the first thing in a field that is no part, such as a clamp; the next ones follow. Welds have lower ids.
+pub const FIRST_OBSTACLE: u16 = 0xff00;
 
 /// An infinite level table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +46,12 @@ pub struct Scene<'a> {
     pub placement: Placement,
     /// Materials of the part.
     pub appearance: Appearance,
+    /// Materials of the things in the field that are no part, by label from [`FIRST_OBSTACLE`] on. On the CPU only.
+    pub obstacles: Vec<Material>,
     /// Table below the part, if any.
     pub table: Option<Table>,
+    /// Dust on everything. On the CPU only.
+    pub dust: Option<Deposit>,
     /// Lights.
     pub lights: Lights,
 }
@@ -75,6 +83,8 @@ impl<'a> Scene<'a> {
             ("a texture", texture.is_some() || self.table.is_some_and(|table| table.texture.is_some())),
             ("a set share of exposed metal", exposed.is_some()),
             ("a luminous panel", !self.lights.panels.is_empty()),
+            ("a thing that is no part", !self.obstacles.is_empty()),
+            ("dust", self.dust.is_some()),
         ];
         found.into_iter().find(|(_, is_there)| *is_there).map(|(name, _)| name)
     }
@@ -86,7 +96,9 @@ impl<'a> Scene<'a> {
             field: Field::new(part),
             placement: Placement::IDENTITY,
             appearance: Appearance { coating, ..Appearance::default() },
+            obstacles: Vec::new(),
             table: None,
+            dust: None,
             lights: Lights::default(),
         }
     }

@@ -5,7 +5,7 @@ use super::lanes::{LANES, Points, any};
 use super::marks::{Grooves, any_tangent};
 use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
-use super::scene::Stage;
+use super::scene::{FIRST_OBSTACLE, Stage};
 use super::shade::facing;
 use super::texture::Texture;
 use super::tile::TileVisibility;
@@ -116,7 +116,26 @@ impl ShadeLanes<'_> {
                 materials.set(i, if is_table[i] { blend } else { materials.blend(i) });
             }
         }
+        if !stage.scene.obstacles.is_empty() || stage.scene.dust.is_some() {
+            self.cover(&mut materials);
+        }
         materials
+    }
+
+    /// Gives obstacles their materials, and lays dust over everything.
+    #[inline(always)]
+    fn cover(&self, materials: &mut MaterialLanes) {
+        let Self { stage, samples, .. } = self;
+        for i in 0..LANES {
+            let thing = samples.obstacle[i].checked_sub(FIRST_OBSTACLE);
+            if let Some(&material) = thing.and_then(|thing| stage.scene.obstacles.get(usize::from(thing))) {
+                materials.set(i, Blend { material, ground: 0.0 });
+            }
+            if let Some(dust) = &stage.scene.dust {
+                let facing_up = samples.normals.get(i).dot(stage.up.as_vec3());
+                materials.set(i, dust.over(materials.blend(i), samples.positions.get(i), facing_up));
+            }
+        }
     }
 
     #[inline(always)]

@@ -27,14 +27,19 @@ impl Texture {
     /// Varies a material at a point [m].
     #[inline(always)]
     pub(crate) fn applied(&self, material: Material, point: Vec3) -> Material {
-        let at = point / self.period + self.offset;
-        let value = (noise(at) + FINER * noise(2.03 * at + Vec3::splat(17.7))) / (1.0 + FINER);
+        let value = noise_at(point / self.period + self.offset);
         Material {
             colour: material.colour * (1.0 + self.contrast * value),
             roughness: (material.roughness + self.roughness * value).clamp(LEAST_ROUGHNESS, 1.0),
             ..material
         }
     }
+}
+
+/// Noise of two octaves, −1 to 1.
+#[inline(always)]
+pub(crate) fn noise_at(at: Vec3) -> f32 {
+    (noise(at) + FINER * noise(2.03 * at + Vec3::splat(17.7))) / (1.0 + FINER)
 }
 
 /// Value noise of three dimensions, −1 to 1, with period 1 (Perlin 1985).

@@ -125,8 +125,7 @@ pub(super) struct ImagesArgs {
         help_heading = CONTENTS
     )]
     split_by: SplitBy,
-    /// Looks of the photographs, or none [default: all]: texture, swirl, primer, studio, optics, compression.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS)]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS, help = looks_help())]
     looks: Vec<String>,
     /// At most this many images, with every state of the coating, workpiece, placement and split in its share of the
     /// set; a larger limit with --resume adds to those that are there.
@@ -297,6 +296,11 @@ impl ImagesArgs {
         }
         Ok(Task::chosen(recipe, &BTreeSet::from([id.clone()])))
     }
+}
+
+/// Help of `--looks`.
+fn looks_help() -> String {
+    format!("Looks of the photographs, or {NO_LOOKS} [default: all]: {}", Look::ALL.map(Look::name).join(", "))
 }
 
 /// Returns the looks of these names in their order; all of them if no name is given.

@@ -41,6 +41,7 @@ pub(super) fn write(recipe: &Recipe, items: &[RowFigures], failures: &[Failure])
     text += &contents(items);
     text += &figures(items);
     text += &making(recipe);
+    text += &doubts(items);
     text += &shortcomings(failures);
     text
 }
@@ -93,6 +94,18 @@ fn making(recipe: &Recipe) -> String {
         recipe.version,
         recipe.seed
     )
+}
+
+/// Names the parts whose unit is doubtful.
+fn doubts(items: &[RowFigures]) -> String {
+    let doubt =
+        |item: &RowFigures| Some((item.row.source.clone(), item.row.measured["unit_doubts"][0].as_str()?.to_owned()));
+    let parts: BTreeMap<String, String> = items.iter().filter_map(doubt).collect();
+    if parts.is_empty() {
+        return String::new();
+    }
+    let lines: String = parts.iter().map(|(part, doubt)| format!("- `{part}`: {doubt}\n")).collect();
+    format!("\n## Doubtful units\n\n{lines}")
 }
 
 fn shortcomings(failures: &[Failure]) -> String {

@@ -107,6 +107,7 @@ fn measured(manifest: &Manifest, welds: Vec<WeldTruth>) -> Result<Value> {
     };
     Ok(json!({
         "unit": manifest.source.unit,
+        "unit_doubts": manifest.source.unit_doubts,
         "voxel_mm": 1e3 * manifest.baking.voxel_m,
         "bricks": manifest.baking.bricks,
         "checks": manifest.checks,

@@ -48,6 +48,7 @@ pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[F
             "of a placement: camera matrix, distortion, pose, boxes in two and three dimensions, welds",
         ),
         ("`views/VIEW-instances.png`", "0 background, 1 base metal, 1 + i weld i"),
+        ("`views/VIEW-amodal.png`", "1 where the workpiece is, as if nothing hid it"),
         ("`views/VIEW-depth.png`", "depth along the camera's axis in steps of 0.1 mm, 0 background"),
         ("`views/VIEW.exr`", "float buffers: depth, normal, position, weld id"),
         ("`records/ID.json`", "an image: how it was made, hashes of its files"),

@@ -62,7 +62,7 @@ fn annotations(set: &ImageSet, folder: &str, pairs: &[(Planned, ImageRecord)]) -
     let image = |record: &ImageRecord| CocoImage::new(record.number, file_name(&record.id), size);
     let of = |(planned, record): &(Planned, ImageRecord)| -> Result<Vec<Annotation>> {
         let labels = set.read_labels(&label_path(folder, &record.id))?;
-        let [_, instances, _] = view_paths(&set.recipe.view_of(planned));
+        let [_, instances, ..] = view_paths(&set.recipe.view_of(planned));
         Ok(image(record).annotations(&labels, &set.read_labels(&instances)?))
     };
     let annotations = pairs.par_iter().map(of).collect::<Result<Vec<_>>>()?.concat();

@@ -27,17 +27,18 @@ pub(super) struct MetadataLine<'a> {
     /// Index labels by appearance and by dose.
     appearance: String,
     dose: String,
-    /// Camera, pose and boxes; instance labels; depth.
+    /// Camera, pose and boxes; instance labels; depth; the whole workpiece as if nothing hid it.
     view: String,
     instances: String,
     depth: String,
+    amodal: String,
     scene: &'a Scene,
 }
 
 impl<'a> MetadataLine<'a> {
     /// The line of an image in a view.
     pub(super) fn of(record: &'a ImageRecord, view: &str) -> Self {
-        let [view, instances, depth] = view_paths(view);
+        let [view, instances, depth, amodal] = view_paths(view);
         Self {
             file_name: file_name(&record.id),
             id: &record.id,
@@ -55,6 +56,7 @@ impl<'a> MetadataLine<'a> {
             view,
             instances,
             depth,
+            amodal,
             scene: &record.scene,
         }
     }

@@ -11,7 +11,7 @@ use crate::dataset::MARKER_FILE;
 use crate::store::Marker;
 
 /// Value of the `format` key.
-pub const IMAGES_FORMAT: &str = "robofin-images/2";
+pub const IMAGES_FORMAT: &str = "robofin-images/3";
 
 /// Word of `--looks` for none.
 pub const NO_LOOKS: &str = "none";

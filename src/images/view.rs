@@ -17,8 +17,8 @@ use crate::store::remove;
 use files::folder::write_file;
 use files::json_file::read_json;
 
-/// Endings of the files beside a view's JSON: instance labels, depth, float buffers.
-const ENDINGS: [&str; 3] = ["-instances.png", "-depth.png", ".exr"];
+/// Endings of the files beside a view's JSON: instance labels, depth, whole workpiece, float buffers.
+const ENDINGS: [&str; 4] = ["-instances.png", "-depth.png", "-amodal.png", ".exr"];
 
 /// `views/ID.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,8 +32,8 @@ pub struct ViewRecord {
     /// Camera, pose, boxes and welds.
     #[serde(flatten)]
     pub view: View,
-    /// Files beside it, in the order instance labels, depth, float buffers.
-    pub files: [FileRecord; 3],
+    /// Files beside it, in the order instance labels, depth, whole workpiece, float buffers.
+    pub files: [FileRecord; 4],
 }
 
 /// Returns the path of a file of a view, relative to the set.
@@ -41,9 +41,9 @@ fn path_of(id: &str, ending: &str) -> String {
     format!("{VIEWS_FOLDER}/{id}{ending}")
 }
 
-/// Paths of the record, the instance labels and the depth of a view, relative to the set.
-pub fn view_paths(id: &str) -> [String; 3] {
-    [".json", ENDINGS[0], ENDINGS[1]].map(|ending| path_of(id, ending))
+/// Paths of the record, the instance labels, the depth and the whole workpiece of a view, relative to the set.
+pub fn view_paths(id: &str) -> [String; 4] {
+    [".json", ENDINGS[0], ENDINGS[1], ENDINGS[2]].map(|ending| path_of(id, ending))
 }
 
 /// Encodes numbers of sixteen bits as PNG with one channel.
@@ -83,10 +83,15 @@ impl ImageSet {
         let recipe = &self.recipe;
         let name = &recipe.workpieces[planned.workpiece].name;
         let (part, workpiece_sha256) = self.read_workpiece(name)?;
-        let scene = Scene::draw(&part, &recipe.view_seeds(planned), recipe.size, &[])?;
+        let scene = Scene::draw(&part, &recipe.view_seeds(planned), recipe.size, &recipe.looks)?;
         let (view, frame) = View::of(&part, &scene, recipe.size)?;
-        let contents =
-            [label_png(recipe.size, &instances(&frame))?, png16(recipe.size, &depth_steps(&frame))?, to_exr(&frame)?];
+        let amodal: Vec<u8> = frame.amodal.iter().map(|&is_there| u8::from(is_there)).collect();
+        let contents = [
+            label_png(recipe.size, &instances(&frame.seen))?,
+            png16(recipe.size, &depth_steps(&frame.seen))?,
+            label_png(recipe.size, &amodal)?,
+            to_exr(&frame.seen)?,
+        ];
         for (ending, bytes) in ENDINGS.into_iter().zip(&contents) {
             write_file(&self.view_path(&planned.id, ending), bytes)?;
         }
@@ -137,7 +142,7 @@ mod tests {
         let scene = Scene::draw(&part, &Seeds { placement: 1, image: 1 }, (64, 48), &[]).unwrap();
         let (view, _) = View::of(&part, &scene, (64, 48)).unwrap();
         assert!(!view.welds.is_empty());
-        let files = [(); 3].map(|()| FileRecord::of_bytes(b""));
+        let files = [(); 4].map(|()| FileRecord::of_bytes(b""));
         let [id, workpiece, workpiece_sha256] = ["tee-p00", "tee", ""].map(str::to_owned);
         let record = ViewRecord { id, workpiece, workpiece_sha256, view, files };
         let text = serde_json::to_string(&record).unwrap();

@@ -14,7 +14,7 @@ use sdf_bake::read::UnitChoice;
 use serde_json::Value;
 
 use crate::program::{files, robofin, run};
-use crate::set::{ITEMS, assert_same, dataset, items, lines, plates, undisturbed};
+use crate::set::{ITEMS, assert_same, dataset, items, lines, plate, plates, undisturbed};
 
 #[test]
 fn the_manifest_says_of_each_item_what_its_folder_says() {
@@ -42,6 +42,23 @@ fn the_manifest_says_of_each_item_what_its_folder_says() {
     }
     let seeds: BTreeSet<u64> = rows.iter().filter_map(|row| row["seed"].as_u64()).collect();
     assert_eq!(seeds.len(), ITEMS, "each item has a seed of its own");
+}
+
+#[test]
+fn a_part_of_doubtful_unit_is_named_in_row_and_card() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let (parts, out) = (place.path().join("parts"), place.path().join("set"));
+    fs::create_dir(&parts).expect("a folder");
+    fs::write(parts.join("large.obj"), plate(5)).expect("a part");
+    // 130 inches are 3.3 m.
+    run(dataset(&parts, &out).args(["--unit", "inch", "--limit", "1"])).succeeds();
+    let row = &lines(&out.join("manifest.jsonl"))[0];
+    let doubt = row["measured"]["unit_doubts"][0].as_str().expect("a doubt");
+    assert!(doubt.contains("very large") && doubt.contains("--unit mm"), "{doubt}");
+    let card = fs::read_to_string(out.join("README.md")).expect("a card");
+    assert!(card.contains("## Doubtful units") && card.contains(&format!("- `large.obj`: {doubt}")), "{card}");
+    let usual = fs::read_to_string(undisturbed().1.join("README.md")).expect("a card");
+    assert!(!usual.contains("Doubtful units"));
 }
 
 #[test]

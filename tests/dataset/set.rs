@@ -15,7 +15,7 @@ use crate::program::{robofin, run};
 pub(crate) const ITEMS: usize = 6;
 
 /// Returns a plate in millimetres as OBJ; each number gives a different one.
-fn plate(number: usize) -> String {
+pub(crate) fn plate(number: usize) -> String {
     let size = [80.0 + 10.0 * number as f64, 60.0, 8.0 + number as f64];
     let corner = |i: usize| {
         format!("v {} {} {}\n", size[0] * (i & 1) as f64, size[1] * (i >> 1 & 1) as f64, size[2] * (i >> 2) as f64)

@@ -22,6 +22,8 @@ from .solid import Solid
 #: Folder and kind of picture; the readers of BOP expect JPEG of images that were rendered for training.
 SPLITS = {"train": ("train_pbr", "jpg"), "validation": ("val", "png"), "test": ("test", "png")}
 DEPTH_SCALE = 0.1
+#: Pictures of a view: instance labels, depth, the whole workpiece.
+VIEW_PICTURES = ("instances", "depth", "amodal")
 INFO = """# Labelled images of sanding
 
 Made from a set of `robofin dataset images` by `python -m robofin_perception export --to bop`. One scene for each
@@ -109,22 +111,23 @@ class _Scene:
         for kind in ("rgb", "depth", "mask", "mask_visib"):
             (self.folder / kind).mkdir(parents=True)
         camera = Camera.read(self.samples[0])
-        instances, depth = (np.asarray(open_picture(self.samples[0].path(key))) for key in ("instances", "depth"))
+        instances, depth, amodal = (np.asarray(open_picture(self.samples[0].path(key))) for key in VIEW_PICTURES)
         height, width = depth.shape
         margin = max(width, height)
         grid, wide = (camera.lens.grid((width, height), around) for around in (0, margin))
-        mask, depth = nearest(instances > 0, grid), nearest(depth, grid)
+        masks = {"mask": nearest(amodal > 0, grid), "mask_visib": nearest(instances > 0, grid)}
+        depth = nearest(depth, grid)
         for place, sample in enumerate(self.samples):
             kind = SPLITS[sample.split][1]
             image = bilinear(self._colours(sample, (width, height)), grid)
             options: dict[str, Any] = {"quality": 95, "subsampling": 0} if kind == "jpg" else {}
             Image.fromarray(image).save(self.folder / "rgb" / f"{place:06}.{kind}", **options)
             Image.fromarray(depth).save(self.folder / "depth" / f"{place:06}.png")
-            for masks in ("mask", "mask_visib"):
-                Image.fromarray(mask.astype(np.uint8) * 255).save(self.folder / masks / f"{place:06}_000000.png")
+            for name, mask in masks.items():
+                Image.fromarray(mask.astype(np.uint8) * 255).save(self.folder / name / f"{place:06}_000000.png")
         self._truths("scene_camera", {"cam_K": camera.lens.matrix.ravel().tolist(), "depth_scale": DEPTH_SCALE})
         self._truths("scene_gt", [self._pose(camera)])
-        self._truths("scene_gt_info", [_info(mask, nearest(instances > 0, wide), depth, margin)])
+        self._truths("scene_gt_info", [_info(masks["mask_visib"], nearest(amodal > 0, wide), depth, margin)])
 
     def _colours(self, sample: Sample, size: tuple[int, int]) -> Bytes:
         path = sample.path("file_name")

@@ -12,7 +12,7 @@ from ..data import LABELS, SPLITS, Row, read_rows
 from ..errors import WrongUse
 
 #: Keys of a row that are paths of files.
-PATHS = ("file_name", *LABELS, "view", "instances", "depth")
+PATHS = ("file_name", *LABELS, "view", "instances", "depth", "amodal")
 
 
 @dataclass(frozen=True)
