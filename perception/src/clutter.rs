@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
 use render::{FIRST_OBSTACLE, Field, Material, Placement, Ray};
-use sdf_bake::BrickGrid;
+use sdf_bake::{BrickGrid, Combine};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::{CameraDraw, NoSurface, PlacementDraw, Scene, corners};
@@ -249,7 +249,7 @@ impl Places {
         let middle = camera.eye_m.lerp(self.middle(), share) + right * offset.x + up * offset.y;
         let turn = stream.between([0.0, PI]);
         let along = (right * turn.cos() + up * turn.sin()).normalize();
-        let radius = self.reach() * stream.ratio_between([0.03, 0.09]);
+        let radius = self.reach() * share * stream.ratio_between([0.02, 0.08]);
         let body = (ObstacleShape::Cylinder, DVec3::new(radius, 1.6 * self.reach(), 0.0));
         ObstacleDraw::of(body, DQuat::from_rotation_arc(DVec3::Z, along), middle, stream)
     }
@@ -258,18 +258,18 @@ impl Places {
 /// The part with the things of a scene around it; the part itself if there are none.
 pub(crate) fn cluttered<'a>(part: &'a BrickGrid, scene: &Scene) -> Cow<'a, BrickGrid> {
     let pose = scene.placement.pose();
-    let fields = scene.obstacles.iter().map(|thing| thing.field(&pose, part));
-    let label = |at: usize| FIRST_OBSTACLE + at as u16;
-    let united = |a: &BrickGrid, b: &BrickGrid, id| a.united_with(b, id).expect("one lattice");
-    let things = fields.enumerate().fold(None, |all: Option<BrickGrid>, (at, mut field)| {
-        field.label = vec![label(at); field.phi.len()];
-        Some(all.map_or_else(|| field.clone(), |all| united(&all, &field, label(at))))
-    });
+    let united = |a: &BrickGrid, b: &BrickGrid| a.combined_with(b, Combine::Union).expect("one lattice");
+    let labelled = |(at, thing): (usize, &ObstacleDraw)| {
+        let field = thing.field(&pose, part);
+        BrickGrid { label: vec![FIRST_OBSTACLE + at as u16; field.phi.len()], ..field }
+    };
+    let things = scene.obstacles.iter().enumerate().map(labelled).reduce(|all, thing| united(&all, &thing));
     let Some(things) = things else { return Cow::Borrowed(part) };
-    let mut all = united(part, &things, FIRST_OBSTACLE);
-    for place in 0..all.label.len() {
-        if all.label[place] == FIRST_OBSTACLE {
-            all.label[place] = things.label_at(all.voxel_of(place)).max(FIRST_OBSTACLE);
+    let mut all = united(part, &things);
+    // A thing has no dose; where it touches the workpiece, its voxels must not thin the workpiece's.
+    for place in 0..all.dose.len() {
+        if let Some(own) = part.place(all.voxel_of(place)) {
+            all.dose[place] = part.dose[own];
         }
     }
     Cow::Owned(all)
@@ -326,6 +326,9 @@ mod tests {
         for thing in 0..scene.obstacles.len() as u16 {
             assert!(all.label.contains(&(FIRST_OBSTACLE + thing)), "{thing} of {}", scene.obstacles.len());
         }
+        // The dose of the workpiece is that of before, also where a thing touches it.
+        let kept = |place: usize| part.place(all.voxel_of(place)).is_none_or(|own| all.dose[place] == part.dose[own]);
+        assert!((0..all.dose.len()).all(kept));
         for id in [1, 2] {
             let count = |grid: &BrickGrid| grid.label.iter().filter(|&&label| label == id).count();
             assert!(count(&all) > count(&part) / 2, "weld {id}");
@@ -341,7 +344,7 @@ mod tests {
             let scene = Scene::draw(&part, &Seeds { placement, image: 3 }, (96, 72), &looks).unwrap();
             let (view, frame) = View::of(&part, &scene, (96, 72)).unwrap();
             let of = |wanted: VisibleObject| frame.seen.seen.iter().filter(|seen| **seen == wanted).count();
-            let whole = frame.amodal.iter().filter(|is_there| **is_there).count();
+            let whole = frame.amodal.iter().filter(|there| **there == 1).count();
             assert!(of(VisibleObject::Part) <= whole);
             assert!((view.visible_share - of(VisibleObject::Part) as f64 / whole as f64).abs() < 1e-12);
             let [left, top, across, down] = view.bounds;

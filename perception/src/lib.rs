@@ -24,6 +24,7 @@ mod clutter;
 pub mod coco;
 mod jpeg;
 mod looks;
+mod png;
 mod sanding;
 mod scene;
 mod shapes;
@@ -33,6 +34,7 @@ pub mod yolo;
 
 pub use clutter::{ObstacleDraw, ObstacleShape};
 pub use looks::{DustDraw, Look, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
+pub use png::{png8, png16};
 pub use sanding::{SPINDLE, SandingError, Setting, StageFigures, sand};
 pub use scene::{CameraDraw, LampDraw, MaterialDraw, NoSurface, PlacementDraw, Scene, Seeds, SensorDraw};
 pub use shapes::Shape;

@@ -35,8 +35,9 @@ pub struct Scene {
     pub obstacles: Vec<ObstacleDraw>,
     /// Lamps, the brightest first.
     pub lamps: Vec<LampDraw>,
-    /// Ambient light, relative to a bright workshop.
-    pub environment: f64,
+    /// Ambient light from sky, horizon and floor, relative to a bright workshop. Bare metal mirrors it, so metal is
+    /// darker than paint under a bright lamp in dark surroundings.
+    pub environment: DVec3,
     /// Materials of the coating, the metal below, and the table.
     pub material: MaterialDraw,
     /// Exposure, blur and noise of the sensor.
@@ -138,7 +139,7 @@ impl Scene {
             camera,
             obstacles,
             lamps: lamps(&mut light),
-            environment: light.between([0.35, 1.15]),
+            environment: DVec3::from_array(std::array::from_fn(|_| light.ratio_between([0.06, 1.3]))),
             material: MaterialDraw::draw(&mut Stream::of(seeds.image, "material")),
             sensor: SensorDraw::draw(&mut Stream::of(seeds.image, "sensor"), seeds.image),
             looks: LookDraws::draw(looks, seeds.image),
@@ -247,7 +248,7 @@ impl MaterialDraw {
         let hue = stream.between([0.0, 6.0]);
         let strength = stream.between([0.0, 0.9]);
         let value = stream.ratio_between([0.06, 0.7]);
-        let grey = stream.between([0.5, 0.68]);
+        let grey = stream.between([0.35, 0.68]);
         let tint = stream.between([-0.03, 0.03]);
         let table = stream.ratio_between([0.03, 0.6]);
         let wooden = stream.between([0.0, 0.5]);
@@ -255,7 +256,7 @@ impl MaterialDraw {
             coating: paint(hue, strength, value),
             coating_roughness: stream.between([0.25, 0.75]),
             metal: DVec3::new(grey + tint, grey, grey - tint),
-            metal_roughness: stream.between([0.28, 0.5]),
+            metal_roughness: stream.between([0.2, 0.5]),
             table: table * DVec3::new(1.0, 1.0 - 0.3 * wooden, 1.0 - 0.6 * wooden),
             table_roughness: stream.between([0.4, 0.9]),
         }

@@ -89,8 +89,8 @@ fn picture(frame: &Frame, (scene, middle): (&Scene, f64), exposure: f64) -> Resu
 
 fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
     let room = Lights::default().environment;
-    let dimmed = |light: Vec3| light * scene.environment as f32;
-    let environment = Environment { sky: dimmed(room.sky), horizon: dimmed(room.horizon), floor: dimmed(room.floor) };
+    let [sky, horizon, floor] = scene.environment.as_vec3().to_array();
+    let environment = Environment { sky: room.sky * sky, horizon: room.horizon * horizon, floor: room.floor * floor };
     let keys = scene.lamps.iter().map(|lamp| KeyLight {
         towards: lamp.towards,
         irradiance: lamp.irradiance.as_vec3(),

@@ -63,8 +63,8 @@ pub struct VisibleWeld {
 pub struct ViewFrame {
     /// What the camera sees of the workpiece and of the things around it.
     pub seen: Frame,
-    /// Whether the workpiece is at a pixel, as if nothing hid it.
-    pub amodal: Vec<bool>,
+    /// 1 where the workpiece is, as if nothing hid it, else 0.
+    pub amodal: Vec<u8>,
 }
 
 impl ViewFrame {
@@ -74,7 +74,7 @@ impl ViewFrame {
                 Stage { placement: scene.placement.pose(), appearance: Appearance::default(), ..Stage::new(field) };
             stage.photograph(&scene.camera.camera(), &Raster { width, height, samples_per_side: 1 })
         };
-        let shown = |frame: &Frame| frame.seen.iter().map(|seen| *seen == VisibleObject::Part).collect();
+        let shown = |frame: &Frame| frame.seen.iter().map(|seen| u8::from(*seen == VisibleObject::Part)).collect();
         let seen = photograph(&cluttered(part, scene));
         let amodal = if scene.obstacles.is_empty() { shown(&seen) } else { shown(&photograph(part)) };
         Self { seen, amodal }
@@ -91,7 +91,7 @@ impl View {
         let frame = ViewFrame::of(part, scene, size);
         let (width, height) = size;
         let visible = Extent::of(width, height, |pixel| frame.seen.seen[pixel] == VisibleObject::Part);
-        let whole = Extent::of(width, height, |pixel| frame.amodal[pixel]);
+        let whole = Extent::of(width, height, |pixel| frame.amodal[pixel] == 1);
         let [right, up, forward] = scene.camera.axes;
         let axes = [right, -up, forward];
         let to_part = scene.placement.rotation.inverse();

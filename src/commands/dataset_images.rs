@@ -300,7 +300,11 @@ impl ImagesArgs {
 
 /// Help of `--looks`.
 fn looks_help() -> String {
-    format!("Looks of the photographs, or {NO_LOOKS} [default: all]: {}", Look::ALL.map(Look::name).join(", "))
+    format!("Looks of the photographs [default: all]: {}", look_names())
+}
+
+fn look_names() -> String {
+    Look::ALL.map(Look::name).join(", ") + ", or " + NO_LOOKS + " alone"
 }
 
 /// Returns the looks of these names in their order; all of them if no name is given.
@@ -310,10 +314,9 @@ fn chosen_looks(words: &[String]) -> Result<Vec<Look>> {
         [word] if word == NO_LOOKS => return Ok(Vec::new()),
         _ => {}
     }
-    let known = || Look::ALL.map(Look::name).join(", ");
     let of = |word: &String| {
         let found = Look::ALL.into_iter().find(|look| look.name() == word);
-        found.ok_or_else(|| wrong_use(format!("--looks {word}: {}, or {NO_LOOKS} alone is accepted", known())))
+        found.ok_or_else(|| wrong_use(format!("--looks {word}: {} is accepted", look_names())))
     };
     let mut looks = words.iter().map(of).collect::<Result<Vec<Look>>>()?;
     looks.sort_unstable();

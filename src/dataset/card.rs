@@ -101,11 +101,9 @@ fn doubts(items: &[RowFigures]) -> String {
     let doubt =
         |item: &RowFigures| Some((item.row.source.clone(), item.row.measured["unit_doubts"][0].as_str()?.to_owned()));
     let parts: BTreeMap<String, String> = items.iter().filter_map(doubt).collect();
-    if parts.is_empty() {
-        return String::new();
-    }
-    let lines: String = parts.iter().map(|(part, doubt)| format!("- `{part}`: {doubt}\n")).collect();
-    format!("\n## Doubtful units\n\n{lines}")
+    let line = |(part, doubt): (&String, &String)| format!("- `{part}`: {doubt}\n");
+    let heading = if parts.is_empty() { "" } else { "\n## Doubtful units\n\n" };
+    heading.to_owned() + &parts.iter().map(line).collect::<String>()
 }
 
 fn shortcomings(failures: &[Failure]) -> String {

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-use perception::{Scene, Shot, yolo};
+use anyhow::{Result, ensure};
+use perception::{Scene, Shot, png8, yolo};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Planned, Split, Treatment};
@@ -74,18 +72,6 @@ fn paths(split: Split, id: &str) -> [String; 4] {
     ]
 }
 
-/// Encodes labels as PNG with one channel of eight bits.
-///
-/// # Errors
-/// If the number of labels differs from the number of pixels.
-pub fn label_png((width, height): (usize, usize), labels: &[u8]) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(labels, width as u32, height as u32, ExtendedColorType::L8)
-        .context("the labels cannot be written as PNG")?;
-    Ok(bytes)
-}
-
 impl ImageSet {
     fn record_path(&self, id: &str) -> PathBuf {
         self.folder().join(RECORDS_FOLDER).join(format!("{id}.json"))
@@ -127,8 +113,8 @@ impl ImageSet {
         let size = self.recipe.size;
         let contents = [
             to_png(&shot.image)?,
-            label_png(size, &shot.appearance)?,
-            label_png(size, &shot.dose)?,
+            png8(size, &shot.appearance)?,
+            png8(size, &shot.dose)?,
             yolo::regions(&shot.appearance, size).into_bytes(),
         ];
         let mut files = BTreeMap::new();

@@ -3,14 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-use perception::{Scene, View, depth_steps, instances};
+use perception::{Scene, View, depth_steps, instances, png8, png16};
 use render::to_exr;
 use serde::{Deserialize, Serialize};
 
 use super::plan::PlannedView;
-use super::record::label_png;
 use super::{ImageSet, VIEWS_FOLDER};
 use crate::asset::FileRecord;
 use crate::store::remove;
@@ -46,14 +43,6 @@ pub fn view_paths(id: &str) -> [String; 4] {
     [".json", ENDINGS[0], ENDINGS[1], ENDINGS[2]].map(|ending| path_of(id, ending))
 }
 
-/// Encodes numbers of sixteen bits as PNG with one channel.
-fn png16((width, height): (usize, usize), values: &[u16]) -> Result<Vec<u8>> {
-    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png).write_image(&bytes, width as u32, height as u32, ExtendedColorType::L16)?;
-    Ok(png)
-}
-
 impl ImageSet {
     fn view_path(&self, id: &str, ending: &str) -> PathBuf {
         self.folder().join(path_of(id, ending))
@@ -85,11 +74,10 @@ impl ImageSet {
         let (part, workpiece_sha256) = self.read_workpiece(name)?;
         let scene = Scene::draw(&part, &recipe.view_seeds(planned), recipe.size, &recipe.looks)?;
         let (view, frame) = View::of(&part, &scene, recipe.size)?;
-        let amodal: Vec<u8> = frame.amodal.iter().map(|&is_there| u8::from(is_there)).collect();
         let contents = [
-            label_png(recipe.size, &instances(&frame.seen))?,
+            png8(recipe.size, &instances(&frame.seen))?,
             png16(recipe.size, &depth_steps(&frame.seen))?,
-            label_png(recipe.size, &amodal)?,
+            png8(recipe.size, &frame.amodal)?,
             to_exr(&frame.seen)?,
         ];
         for (ending, bytes) in ENDINGS.into_iter().zip(&contents) {

@@ -1,7 +1,9 @@
 //! Tests of materials, light and marks in a photograph.
 
 use glam::{DVec3, Vec3};
-use render::{Camera, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Table, VisibleObject};
+use render::{
+    Camera, FIRST_OBSTACLE, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Table, VisibleObject,
+};
 use sdf_bake::BrickGrid;
 
 use crate::scenes::{VOXEL, bracket, channel, cuboid};
@@ -114,6 +116,29 @@ fn the_part_throws_a_shadow_on_its_table_and_hides_it() {
     let (dark, lit): (Vec<usize>, Vec<usize>) = table.iter().partition(|&&i| shaded(i));
     let light = |pixels: &[usize]| pixels.iter().map(|&i| frame.colour[i].y).sum::<f32>() / pixels.len() as f32;
     assert!(dark.len() > 100 && light(&dark) < 0.7 * light(&lit), "{} and {}", light(&dark), light(&lit));
+}
+
+#[test]
+fn a_thing_before_the_part_hides_it_shades_it_and_has_its_own_material() {
+    let bare = panel();
+    let half = DVec3::new(0.003, 0.02, 0.001);
+    let centre = DVec3::Z * 0.006;
+    let rod = BrickGrid::from_distance(centre - half, centre + half, VOXEL, 3.0, |p| cuboid(p, centre, half));
+    let both = bare.united_with(&rod, FIRST_OBSTACLE).unwrap();
+    let photograph = |part: &BrickGrid| {
+        let red = Material { colour: Vec3::new(0.6, 0.02, 0.02), roughness: 0.7, metallic: 0.0 };
+        Scene { obstacles: vec![red], ..Scene::new(part) }.photograph(&from_above(), &RASTER)
+    };
+    let (frame, alone) = (photograph(&both), photograph(&bare));
+    let rod: Vec<usize> = (0..frame.seen.len()).filter(|&i| frame.seen[i] == VisibleObject::Obstacle).collect();
+    assert!(rod.len() > 1000 && !alone.seen.contains(&VisibleObject::Obstacle));
+    for &i in &rod {
+        assert_eq!((frame.weld[i], frame.dose[i], frame.removed[i]), (0, 0.0, 0.0));
+        assert!(frame.colour[i].x > 3.0 * frame.colour[i].z && frame.depth[i] < alone.depth[i]);
+    }
+    let part = |i: &usize| frame.seen[*i] == VisibleObject::Part && alone.seen[*i] == VisibleObject::Part;
+    let shaded = (0..frame.seen.len()).filter(part).filter(|&i| frame.colour[i].y < 0.8 * alone.colour[i].y).count();
+    assert!(shaded > 50, "{shaded} pixels lie in its shadow");
 }
 
 #[test]
