@@ -13,6 +13,8 @@ import sys
 import numpy
 from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
+STANDARD_SURFACE = "ND_standard_surface_surfaceshader"
+
 
 def report(path, prims=0, bbox=None, errors=()):
     return {"path": path, "prims": prims, "bbox": bbox, "errors": list(errors)}
@@ -54,7 +56,9 @@ def validator_errors(stage):
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     found = UsdValidation.ValidationContext(validators).Validate(stage)
     serious = [UsdValidation.ValidationErrorType.Error, UsdValidation.ValidationErrorType.Warn]
-    return sorted(error.GetErrorAsString() for error in found if error.GetType() in serious)
+    texts = sorted(error.GetErrorAsString() for error in found if error.GetType() in serious)
+    # usd-core comes without the node definitions of MaterialX; `material_errors` checks the node's name.
+    return [text for text in texts if f"shaderId '{STANDARD_SURFACE}'" not in text]
 
 
 def material_errors(prim):
@@ -62,9 +66,10 @@ def material_errors(prim):
     if not prim.IsA(UsdShade.Material):
         return []
     material = UsdShade.Material(prim)
-    wanted = {"": "UsdPreviewSurface", "mtlx": "ND_standard_surface_surfaceshader"}
-    found = {context: material.ComputeSurfaceSource([context])[0].GetIdAttr().Get() for context in wanted}
-    return [f"its surface is {found[context]}, expected {kind}" for context, kind in wanted.items() if found[context] != kind]
+    wanted = {"": "UsdPreviewSurface", "mtlx": STANDARD_SURFACE}
+    pairs = [(material.ComputeSurfaceSource(context)[0], kind) for context, kind in wanted.items()]
+    found = [(shader.GetIdAttr().Get() if shader else None, kind) for shader, kind in pairs]
+    return [f"its surface is {name}, expected {kind}" for name, kind in found if name != kind]
 
 
 def shape_errors(prim):

@@ -110,7 +110,7 @@ def define_preview(stage, material, values):
 
 def define_materialx(stage, material, values):
     """The same as a Standard Surface of MaterialX."""
-    shader = define_shader(stage, f"{material.GetPath()}/standard_surface", "ND_standard_surface_surfaceshader")
+    shader = define_shader(stage, f"{material.GetPath()}/standard_surface", check_usd.STANDARD_SURFACE)
     shader.CreateInput("base", Sdf.ValueTypeNames.Float).Set(1.0)
     set_inputs(shader, ("base_color", "metalness", "specular_roughness"), values)
     output = shader.CreateOutput("out", Sdf.ValueTypeNames.Token)
