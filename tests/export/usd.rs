@@ -113,8 +113,8 @@ fn a_welded_workpiece_is_clean_and_as_large_as_its_meshes() {
     assert_eq!(reports.len(), 1);
     assert_eq!(reports[0].errors, Vec::<String>::new());
     assert_eq!(reports[0].path, asset.join("welded.usdc"));
-    // workpiece, materials, 2 materials with a shader each, 2 meshes, 1 centreline.
-    assert_eq!(reports[0].prims, 9);
+    // workpiece, materials, 2 materials with two shaders each, 2 meshes, 1 centreline.
+    assert_eq!(reports[0].prims, 11);
     let mut whole = plate();
     whole.append(&bead());
     let (low, high) = whole.bounds().expect("it has vertices");
