@@ -49,7 +49,7 @@ pub struct ObstacleDraw {
     pub colour: DVec3,
     /// Roughness, 0 to 1.
     pub roughness: f64,
-    /// Whether it is bare metal.
+    /// Bare metal; otherwise paint, plastic or wood.
     pub is_metal: bool,
 }
 
@@ -343,7 +343,7 @@ mod tests {
             let looks = [Look::Clutter];
             let scene = Scene::draw(&part, &Seeds { placement, image: 3 }, (96, 72), &looks).unwrap();
             let (view, frame) = View::of(&part, &scene, (96, 72)).unwrap();
-            let of = |wanted: VisibleObject| frame.seen.seen.iter().filter(|seen| **seen == wanted).count();
+            let of = |wanted: VisibleObject| frame.buffers.seen.iter().filter(|seen| **seen == wanted).count();
             let whole = frame.amodal.iter().filter(|there| **there == 1).count();
             assert!(of(VisibleObject::Part) <= whole);
             assert!((view.visible_share - of(VisibleObject::Part) as f64 / whole as f64).abs() < 1e-12);

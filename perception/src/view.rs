@@ -61,8 +61,8 @@ pub struct VisibleWeld {
 
 /// Buffers of a view.
 pub struct ViewFrame {
-    /// What the camera sees of the workpiece and of the things around it.
-    pub seen: Frame,
+    /// Colour, depth, normals, welds of the workpiece and of the obstacles around it.
+    pub buffers: Frame,
     /// 1 where the workpiece is, as if nothing hid it, else 0.
     pub amodal: Vec<u8>,
 }
@@ -75,9 +75,9 @@ impl ViewFrame {
             stage.photograph(&scene.camera.camera(), &Raster { width, height, samples_per_side: 1 })
         };
         let shown = |frame: &Frame| frame.seen.iter().map(|seen| u8::from(*seen == VisibleObject::Part)).collect();
-        let seen = photograph(&cluttered(part, scene));
-        let amodal = if scene.obstacles.is_empty() { shown(&seen) } else { shown(&photograph(part)) };
-        Self { seen, amodal }
+        let buffers = photograph(&cluttered(part, scene));
+        let amodal = if scene.obstacles.is_empty() { shown(&buffers) } else { shown(&photograph(part)) };
+        Self { buffers, amodal }
     }
 }
 
@@ -90,7 +90,7 @@ impl View {
         let placement = scene.placement.pose();
         let frame = ViewFrame::of(part, scene, size);
         let (width, height) = size;
-        let visible = Extent::of(width, height, |pixel| frame.seen.seen[pixel] == VisibleObject::Part);
+        let visible = Extent::of(width, height, |pixel| frame.buffers.seen[pixel] == VisibleObject::Part);
         let whole = Extent::of(width, height, |pixel| frame.amodal[pixel] == 1);
         let [right, up, forward] = scene.camera.axes;
         let axes = [right, -up, forward];
@@ -104,7 +104,7 @@ impl View {
             bounds: visible.bounds,
             amodal_bounds: whole.bounds,
             visible_share: visible.area as f64 / whole.area.max(1) as f64,
-            welds: welds(&frame.seen),
+            welds: welds(&frame.buffers),
             depth_step_m: DEPTH_STEP,
         };
         Ok((view, frame))
@@ -172,7 +172,7 @@ mod tests {
     fn every_pixel_s_point_projects_to_its_middle_and_lies_at_its_depth() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 9, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, ViewFrame { seen: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { buffers: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
         let seen: Vec<usize> = (0..80 * 60).filter(|&pixel| frame.seen[pixel] == VisibleObject::Part).collect();
         assert!(seen.len() > 500, "{}", seen.len());
         for &pixel in &seen {
@@ -192,7 +192,7 @@ mod tests {
     fn instances_and_boxes_are_those_of_the_welds() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 2, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, ViewFrame { seen: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { buffers: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
         let labels = instances(&frame);
         assert!(!view.welds.is_empty());
         for weld in &view.welds {

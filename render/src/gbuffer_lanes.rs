@@ -18,7 +18,7 @@ pub(crate) struct Samples {
     /// Unit directions of the rays.
     pub(crate) directions: Points,
     /// Metal of the field: the part or an obstacle.
-    pub(crate) is_part: [bool; LANES],
+    pub(crate) is_solid: [bool; LANES],
     pub(crate) is_table: [bool; LANES],
     /// Distance along the camera's axis [m]; infinite without a hit.
     pub(crate) depth: Lanes,
@@ -43,7 +43,7 @@ impl Samples {
     /// Samples without rays.
     const NONE: Self = Self {
         directions: Points::ZERO,
-        is_part: [false; LANES],
+        is_solid: [false; LANES],
         is_table: [false; LANES],
         depth: [f32::INFINITY; LANES],
         positions: Points::ZERO,
@@ -59,7 +59,7 @@ impl Samples {
     /// Object that a lane shows.
     #[inline(always)]
     pub(crate) fn seen(&self, lane: usize) -> VisibleObject {
-        match (self.is_part[lane], self.is_table[lane]) {
+        match (self.is_solid[lane], self.is_table[lane]) {
             (true, _) if self.obstacle[lane] > 0 => VisibleObject::Obstacle,
             (true, _) => VisibleObject::Part,
             (false, true) => VisibleObject::Table,
@@ -109,7 +109,7 @@ impl pulp::NullaryFnOnce for PrimaryRays<'_> {
         };
         let mut samples = Samples::NONE;
         let at = self.place(&rays, &distances, &mut samples);
-        if any(&samples.is_part) {
+        if any(&samples.is_solid) {
             self.look(&at, &mut samples);
         }
         samples
@@ -128,16 +128,16 @@ impl PrimaryRays<'_> {
         let mut reached = [0.0; LANES];
         for i in 0..LANES {
             let (part, table) = (distances[i], tables[i]);
-            let (is_part, is_table) = ((part <= table) & (part < f64::INFINITY), table < f64::INFINITY);
-            samples.is_part[i] = rays.wanted[i] & is_part;
-            samples.is_table[i] = rays.wanted[i] & !is_part & is_table;
-            reached[i] = if is_part { part } else { table };
+            let (is_solid, is_table) = ((part <= table) & (part < f64::INFINITY), table < f64::INFINITY);
+            samples.is_solid[i] = rays.wanted[i] & is_solid;
+            samples.is_table[i] = rays.wanted[i] & !is_solid & is_table;
+            reached[i] = if is_solid { part } else { table };
             samples.directions.set(i, rays.direction(i).as_vec3());
         }
         let (points, up, mut at) = (rays.points(&reached), stage.up.as_vec3(), Points::ZERO);
         for i in 0..LANES {
             let point = DVec3::new(points[0][i], points[1][i], points[2][i]);
-            let (position, is_met) = (point.as_vec3(), samples.is_part[i] | samples.is_table[i]);
+            let (position, is_met) = (point.as_vec3(), samples.is_solid[i] | samples.is_table[i]);
             let select = |wanted: bool, point: Vec3| if wanted { point } else { Vec3::ZERO };
             samples.depth[i] = if is_met { stage.camera.depth(point) as f32 } else { f32::INFINITY };
             samples.positions.set(i, select(is_met, position));
@@ -168,8 +168,8 @@ impl PrimaryRays<'_> {
     #[inline(always)]
     fn look(&self, at: &Points, samples: &mut Samples) {
         let field = &self.stage.scene.field;
-        let (padded, is_part) = (field.padded(), samples.is_part);
-        let part = || (0..LANES).filter(|&i| is_part[i]);
+        let (padded, is_solid) = (field.padded(), samples.is_solid);
+        let part = || (0..LANES).filter(|&i| is_solid[i]);
         let mut cells = Cells::new(field.grid.band);
         cells.low = at.corners(&Points::ZERO);
         padded.find(&mut cells);
@@ -184,7 +184,7 @@ impl PrimaryRays<'_> {
         }
         for i in 0..LANES {
             let normal = differences.get(i).normalize_or(-samples.directions.get(i));
-            samples.normals.set(i, if is_part[i] { normal } else { samples.normals.get(i) });
+            samples.normals.set(i, if is_solid[i] { normal } else { samples.normals.get(i) });
         }
         let below = at.moved(&samples.normals, &[-LABEL_DEPTH; LANES]);
         cells.low = below.corners(&Points::ZERO);

@@ -212,13 +212,13 @@ impl<'a> Stage<'a> {
         let centres = tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         let centres = self.samples(centres, clear);
         if self.raster.samples_per_side <= 1 {
-            let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_part));
+            let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_solid));
             return (centres, light, in_others);
         }
         let (mut light, mut in_others) = (Points::ZERO, [Points::ZERO; N]);
         for (i, (x, y)) in tile_pixels(corner).enumerate() {
             if x < self.raster.width && y < self.raster.height {
-                let mean = self.mean(lamps, ((x, y), clear), centres.is_part[i], others);
+                let mean = self.mean(lamps, ((x, y), clear), centres.is_solid[i], others);
                 light.set(i, mean.0);
                 in_others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
             }

@@ -29,10 +29,10 @@ impl pulp::NullaryFnOnce for ShadeLanes<'_> {
         for i in 0..LANES {
             light.set(i, environment.radiance(samples.directions.get(i).dot(up), 0.0));
         }
-        if any(&samples.is_part) || any(&samples.is_table) {
+        if any(&samples.is_solid) || any(&samples.is_table) {
             let on_surface = self.of_surfaces();
             for i in 0..LANES {
-                let is_surface = samples.is_part[i] | samples.is_table[i];
+                let is_surface = samples.is_solid[i] | samples.is_table[i];
                 light.set(i, if is_surface { on_surface.get(i) } else { light.get(i) });
             }
         }

@@ -32,7 +32,7 @@ impl TileVisibility {
     pub(crate) fn of(stage: &Stage, lamps: &[LampRays], samples: &Samples) -> Self {
         let field = &stage.scene.field;
         let Samples { points, normals, .. } = samples;
-        let wanted = std::array::from_fn(|i| samples.is_part[i] | samples.is_table[i]);
+        let wanted = std::array::from_fn(|i| samples.is_solid[i] | samples.is_table[i]);
         if !any(&wanted) {
             return Self { open: [1.0; LANES], shares: vec![[0.0; LANES]; lamps.len()] };
         }

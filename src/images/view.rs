@@ -75,10 +75,10 @@ impl ImageSet {
         let scene = Scene::draw(&part, &recipe.view_seeds(planned), recipe.size, &recipe.looks)?;
         let (view, frame) = View::of(&part, &scene, recipe.size)?;
         let contents = [
-            png8(recipe.size, &instances(&frame.seen))?,
-            png16(recipe.size, &depth_steps(&frame.seen))?,
+            png8(recipe.size, &instances(&frame.buffers))?,
+            png16(recipe.size, &depth_steps(&frame.buffers))?,
             png8(recipe.size, &frame.amodal)?,
-            to_exr(&frame.seen)?,
+            to_exr(&frame.buffers)?,
         ];
         for (ending, bytes) in ENDINGS.into_iter().zip(&contents) {
             write_file(&self.view_path(&planned.id, ending), bytes)?;
