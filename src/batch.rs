@@ -123,7 +123,7 @@ impl BatchLine {
             force_rms_error_n: each(|pass| pass.record.force_rms_error),
             impulse_ns: each(|pass| pass.record.impulse),
             residual_rms_um: (0..passes.len())
-                .filter_map(|pass| residual(trial, passes, pass))
+                .filter_map(|pass| residual(trial, &passes[pass], pass))
                 .map(|r| r * 1e6)
                 .collect(),
             steps: passes.iter().map(|pass| pass.record.steps).sum(),

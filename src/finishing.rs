@@ -3,31 +3,31 @@
 mod passes;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::time::Instant;
 
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context, Result, ensure};
 use effects::CompiledModel;
 use files::input::{self, MOST_TEXT_BYTES};
 use robot::Wheel;
 use sdf_bake::BrickGrid;
 use sdf_bake::nvdb::{self, Codec, GridRef};
 use serde::Serialize;
-use sim::{Executor, LogRow, PassRecord};
+use sim::{Executor, PassRecord};
 
 use crate::asset::{AssetFields, MANIFEST_FILE, Manifest, WeldTruth, Welds, write_json};
 use crate::console::Console;
 use crate::grinding_page::grinding_page;
 use crate::part::{Source, sha256};
+use crate::pass_run::PassRun;
 use crate::picture::{grinding, to_png};
 use files::folder::StagedFolder;
 use files::output::FolderKind;
-use lab::{Origin, identity, model_origin};
+pub use passes::WeldPass;
+use passes::WeldPasses;
 pub use passes::followed;
-use passes::{Done, run_passes};
 use study::snapshot::{Keeping, STATE_NAMES};
+use trials::trial::Log;
 
 /// Name of the result file in a grinding folder.
 pub const GRIND_FILE: &str = "grind.json";
@@ -86,28 +86,16 @@ pub struct Ground {
     pub asset_sha256: String,
     /// The weld.
     pub weld: WeldTruth,
-    /// The wheel.
-    pub wheel: Wheel,
-    /// The passes.
-    pub plan: Plan,
-    /// Laws and effects of the grinding.
-    pub model: CompiledModel,
+    /// Wheel, passes and model.
+    pub grinding: Grinding,
     /// The workpiece as welded.
     pub before: BrickGrid,
-    /// The workpiece as ground.
-    pub after: BrickGrid,
-    /// One record for each pass.
-    pub passes: Vec<PassRecord>,
-    /// Volume lost by the field in each pass [m³].
-    pub lost: Vec<f64>,
+    /// The completed passes, and the workpiece after them.
+    pub run: PassRun<WeldPass>,
     /// Weld metal left above the part [m³].
     pub weld_left: f64,
     /// Removed base metal [m³]: total removal minus the weld's loss, cut at zero because of rounding.
     pub base_removed: f64,
-    /// Computing time [s].
-    pub seconds: f64,
-    /// Reason why the run ended before its last pass.
-    pub stopped: Option<Error>,
 }
 
 /// `grind.json`, and the answer of `simulate --json`.
@@ -150,11 +138,11 @@ pub struct GrindSummary {
 
 /// Grinds the first weld of an asset along its centreline, in passes to and fro.
 ///
-/// - `keeping`, `folder`: states to keep, and their folder; see [`crate::snapshot`]
+/// - `keeping`, `folder`: states to keep, and their folder; see [`study::snapshot`]
 ///
 /// # Errors
 /// If the asset or a state cannot be read, a setting does not fit it, or the first pass fails. A later pass that fails
-/// is not an error; it is reported in [`Ground::stopped`].
+/// is not an error; it is in [`PassRun::stopped`].
 pub fn grind_asset(
     asset: &Path,
     grinding: Grinding,
@@ -171,39 +159,13 @@ pub fn grind_asset(
         console.step("wheel", format!("narrower than the bead ({:.1} mm): one track will not cover it", weld.width_mm));
     }
     check_wheel(&grinding.wheel, before.voxel)?;
-    let started = Instant::now();
-    let mut after = before.clone();
-    let origin = origin(&asset_sha256, &grinding);
-    let mut done = Done::default();
-    if let Some(resume) = &keeping.resume {
-        done = Done::read(resume, &mut after, &grinding.model, &origin)?;
-        console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
-    }
-    keeping.copy_earlier(folder)?;
-    if keeping.snapshots {
-        done.folder = Some((folder.to_owned(), origin));
-    }
-    let Done { passes, lost, lost_since, stopped, .. } = run_passes(&mut after, done, &weld, &grinding, session)?;
-    let Grinding { wheel, plan, model } = grinding;
-    let seconds = started.elapsed().as_secs_f64();
-    let removed = lost.iter().sum::<f64>() + lost_since;
+    let passes = WeldPasses::new(&grinding, (&before, &asset_sha256), &weld, session.executor)?;
+    let run = PassRun::new(&passes, (keeping, folder), console)?.begun()?;
+    let after = &run.state.part;
     let (weld_before, weld_left) = (before.difference_volume(&target), after.difference_volume(&target));
-    Ok(Ground {
-        source: manifest.source,
-        asset_sha256,
-        weld_left,
-        base_removed: (removed - (weld_before - weld_left)).max(0.0),
-        weld,
-        wheel,
-        plan,
-        model,
-        before,
-        after,
-        passes,
-        lost,
-        seconds,
-        stopped,
-    })
+    let removed = before.volume() - after.volume();
+    let base_removed = (removed - (weld_before - weld_left)).max(0.0);
+    Ok(Ground { source: manifest.source, asset_sha256, weld, grinding, before, run, weld_left, base_removed })
 }
 
 /// Checks the wheel's size: a wheel smaller than a voxel falls between the voxels.
@@ -217,16 +179,6 @@ fn check_wheel(wheel: &Wheel, voxel: f64) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// Collects all inputs that the state of a ground weld depends on.
-fn origin(asset_sha256: &str, Grinding { wheel, plan, model }: &Grinding) -> Origin {
-    let mut origin = model_origin(model);
-    origin.insert("asset".into(), asset_sha256.to_owned());
-    origin.insert("wheel".into(), identity(wheel));
-    origin.insert("force setpoint".into(), format!("{:?} N", plan.force_setpoint));
-    origin.insert("feed".into(), format!("{:?} m/s", plan.feed));
-    origin
 }
 
 /// Lists the parameters of a model as `effect.parameter` and value with unit.
@@ -248,35 +200,31 @@ pub fn describe_rest(ground: &Ground) -> String {
 }
 
 impl Ground {
-    /// Returns simulated time over computing time.
-    pub fn real_time_factor(&self) -> f64 {
-        self.passes.iter().map(|pass| pass.duration).sum::<f64>() / self.seconds
-    }
-
     /// Returns the results of the run; they do not depend on the machine.
     pub fn summary(&self) -> GrindSummary {
-        let each = |figure: fn(&PassRecord) -> f64| self.passes.iter().map(figure).collect();
+        let passes = || self.run.passes.iter();
+        let each = |figure: fn(&PassRecord) -> f64| passes().map(|pass| figure(&pass.record)).collect::<Vec<f64>>();
         GrindSummary {
             format: GRIND_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             source: self.source.clone(),
             asset_sha256: self.asset_sha256.clone(),
             weld_id: self.weld.id,
-            wheel: self.wheel,
-            plan: self.plan,
-            model: model_facts(&self.model).into_iter().collect(),
-            removed_mm3: self.lost.iter().map(|volume| volume * 1e9).collect(),
+            wheel: self.grinding.wheel,
+            plan: self.grinding.plan,
+            model: model_facts(&self.grinding.model).into_iter().collect(),
+            removed_mm3: passes().map(|pass| pass.lost * 1e9).collect(),
             removed_by_law_mm3: each(|pass| pass.removed_volume * 1e9),
             impulse_ns: each(|pass| pass.impulse),
             load_impulse_ns: each(|pass| pass.load_impulse),
             force_rms_error_n: each(|pass| pass.force_rms_error),
             pressure_max_mpa: each(|pass| pass.pressure_max * 1e-6),
             duration_s: each(|pass| pass.duration),
-            steps: self.passes.iter().map(|pass| pass.steps).sum(),
+            steps: passes().map(|pass| pass.record.steps).sum(),
             weld_mm3: self.weld.volume_mm3,
             weld_left_mm3: self.weld_left * 1e9,
             base_removed_mm3: self.base_removed * 1e9,
-            stopped: self.stopped.as_ref().map(|error| format!("{error:#}")),
+            stopped: self.run.stopped.as_ref().map(|error| format!("{error:#}")),
         }
     }
 }
@@ -287,16 +235,14 @@ impl Ground {
 /// If a file cannot be written.
 pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Console) -> Result<String> {
     let place = |name: &str| staged.path().join(name);
-    let grids = [
-        GridRef::LevelSet { name: "phi", grid: &ground.after },
-        GridRef::Labels { name: "weld_id", grid: &ground.after },
-    ];
+    let after = &ground.run.state.part;
+    let grids = [GridRef::LevelSet { name: "phi", grid: after }, GridRef::Labels { name: "weld_id", grid: after }];
     fs::write(place("ground.nvdb"), nvdb::write(&grids, Codec::Zip)?)?;
-    for (pass, record) in ground.passes.iter().enumerate() {
-        fs::write(place(&format!("pass-{}.csv", pass + 1)), log_csv(&record.log))?;
+    for (i, pass) in ground.run.passes.iter().enumerate() {
+        fs::write(place(&format!("pass-{}.csv", i + 1)), log_csv(&pass.record))?;
     }
     let title = format!("{}, weld {}", ground.source.file, ground.weld.id);
-    let pictures = grinding(&ground.before, &ground.after, &ground.weld, &title);
+    let pictures = grinding(&ground.before, after, &ground.weld, &title);
     for (name, picture) in [
         ("before", &pictures.before),
         ("after", &pictures.after),
@@ -313,17 +259,7 @@ pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Cons
     Ok(page)
 }
 
-/// Returns a pass log in the columns of the trial format, with the approach axis.
-pub fn log_csv(rows: &[LogRow]) -> String {
-    let mut text = String::from("t_s,x_mm,y_mm,z_mm,force_n,spindle_rpm,nx,ny,nz\n");
-    for row in rows {
-        let (p, n) = (row.position * 1e3, row.approach);
-        let rpm = row.spindle_speed * 60.0 / std::f64::consts::TAU;
-        let _ = writeln!(
-            text,
-            "{:.4},{:.5},{:.5},{:.5},{:.4},{rpm:.1},{:.7},{:.7},{:.7}",
-            row.time, p.x, p.y, p.z, row.force, n.x, n.y, n.z
-        );
-    }
-    text
+/// Returns the log of a simulated pass in the trial format, with the approach axis.
+pub fn log_csv(record: &PassRecord) -> String {
+    trials::trial::log_csv(&Log { rows: record.log.clone(), has_approach: true, ..Log::default() })
 }

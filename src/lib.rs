@@ -8,7 +8,7 @@
 //! 3. [`asset`] writes the result to a folder, with [`export`] for glTF and USD; [`dataset`] does the same for
 //!    thousands, and [`images`] makes labelled pictures of coated ones during sanding. Both, and [`cache`], are
 //!    [`store`]s, which can be resumed.
-//! 4. [`finishing`] grinds the weld ([`sim`]) and [`grinding_page`] shows the result ([`report`]).
+//! 4. [`finishing`] grinds the weld ([`sim`], [`pass_run`]) and [`grinding_page`] shows the result ([`report`]).
 //! 5. [`paths`] plans tool paths; [`trials`] reads measurements, [`trial_run`] simulates them ([`snapshot`],
 //!    [`batch`]).
 //! 6. [`virtual_lab`] makes virtual experiments with hidden effects, and their answers.
@@ -32,6 +32,7 @@ pub mod grinding_page;
 pub mod images;
 mod interrupt;
 pub mod part;
+pub mod pass_run;
 pub mod photo;
 pub mod picture;
 pub mod sealed_example;

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::Instant;
 
 use anyhow::Result;
 use effects::CompiledModel;
@@ -13,14 +12,16 @@ use serde::Serialize;
 
 use crate::console::Console;
 use crate::finishing::{log_csv, model_facts};
+use crate::pass_run::{PassRun, Passes};
 use files::folder::StagedFolder;
 use files::json_file::write_json;
 use files::output::FolderKind;
 use lab::covariate_maps;
-use study::snapshot::{self, Keeping, Resume, STATE_NAMES, Snapshot};
+use study::snapshot::STATE_NAMES;
 
 use lab::{Origin, identity, model_origin};
-use trial_simulation::{SimulatedPass, Simulation, SimulationError, TrialState, exposed_share};
+use sim::{PassRecord, Progress};
+use trial_simulation::{RunState, SimulatedPass, Simulation, exposed_share};
 use trials::measure::{CLEARANCE, DegreesOfFreedom, despiked, noise_floor, register, untouched};
 use trials::trial::{HeldTool, ToolPath, Trial};
 
@@ -37,15 +38,26 @@ pub const TRIAL_RUN: FolderKind = FolderKind {
 /// Value of its `format` key.
 const SIMULATION_FORMAT: &str = "robofin-simulation/1";
 
-/// A simulated trial.
-pub struct TrialRun {
-    passes: Vec<SimulatedPass>,
-    state: TrialState,
-    /// Reason why it ended before its last pass.
-    pub stopped: Option<SimulationError>,
-    /// Simulated time over computing time.
-    pub real_time_factor: f64,
+/// The passes of a trial.
+pub struct TrialPasses<'a> {
+    /// The prepared trial.
+    pub simulation: &'a Simulation<'a>,
+    /// Model of the passes.
+    pub model: &'a CompiledModel,
 }
+
+/// A completed pass of a trial.
+pub struct TrialPass {
+    /// The simulated pass.
+    pub simulated: SimulatedPass,
+    /// Root mean square of measured minus simulated heights [m]; see [`residual`].
+    pub residual: Option<f64>,
+    /// Measured share of the scanned area that is exposed; `None` for grinding.
+    pub measured_share: Option<f64>,
+}
+
+/// A simulated trial.
+pub type TrialRun = PassRun<TrialPass>;
 
 /// `simulation.json`, and most of the answer of `simulate --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -78,97 +90,88 @@ pub struct TrialRunSummary {
     stopped: Option<String>,
 }
 
+impl TrialPasses<'_> {
+    fn pass(&self, simulated: SimulatedPass, number: usize) -> TrialPass {
+        let trial = self.simulation.trial;
+        let residual = residual(trial, &simulated, number - 1);
+        let measured_share = trial.passes[number - 1].scan.mask().map(exposed_share);
+        TrialPass { simulated, residual, measured_share }
+    }
+}
+
+impl Passes for TrialPasses<'_> {
+    type Pass = TrialPass;
+
+    fn count(&self) -> usize {
+        self.simulation.trial.passes.len()
+    }
+
+    fn model(&self) -> &CompiledModel {
+        self.model
+    }
+
+    fn start(&self) -> RunState {
+        self.simulation.start(self.model, Simulation::fresh_states(self.model), 0)
+    }
+
+    fn run(&self, state: &mut RunState, progress: &mut dyn FnMut(Progress)) -> Result<TrialPass> {
+        Ok(self.pass(self.simulation.run_pass(self.model, state, progress)?, state.passes))
+    }
+
+    fn read_back(&self, _: &RunState, after: &RunState, record: PassRecord) -> Result<TrialPass> {
+        Ok(self.pass(self.simulation.scanned(self.model, after, record)?, after.passes))
+    }
+
+    fn record<'p>(&self, pass: &'p TrialPass) -> &'p PassRecord {
+        &pass.simulated.record
+    }
+
+    fn describe(&self, TrialPass { simulated, residual, measured_share }: &TrialPass) -> String {
+        let record = &simulated.record;
+        let mut text = match simulated.exposed_share {
+            Some(share) => format!(
+                "{:.1} % exposed, {:.1} % measured; {:.2} mm³ of coating",
+                share * 100.0,
+                measured_share.unwrap_or(f64::NAN) * 100.0,
+                record.coating_volume * 1e9
+            ),
+            None => format!("{:.2} mm³ removed", record.removed_volume * 1e9),
+        };
+        if let Some(residual) = residual {
+            text += &format!("; {:.2} µm rms off the scan", residual * 1e6);
+        }
+        text
+    }
+
+    fn origin(&self, passes: usize) -> Origin {
+        origin(self.simulation, self.model, passes)
+    }
+}
+
 impl TrialRun {
-    /// Simulates a trial with a fresh tool, or its remaining passes after an earlier state.
-    ///
-    /// - `folder`: folder of the states that `keeping` requests
-    ///
-    /// # Errors
-    /// If a state cannot be read or written, or is of another run. A failed pass is in [`TrialRun::stopped`].
-    pub fn run(
-        simulation: &Simulation,
-        model: &CompiledModel,
-        (keeping, folder): (&Keeping, &Path),
-        console: &Console,
-    ) -> Result<Self> {
-        let state = simulation.start(model, Simulation::fresh_states(model), 0);
-        let mut trial_run = Self { passes: Vec::new(), state, stopped: None, real_time_factor: 0.0 };
-        if let Some(resume) = &keeping.resume {
-            trial_run.put_back(simulation, model, resume)?;
-            console.step("resumed", format!("after pass {} of {}", resume.passes, resume.folder.display()));
-        }
-        let first = trial_run.passes.len();
-        keeping.copy_earlier(folder)?;
-        let started = Instant::now();
-        for pass in first..simulation.trial.passes.len() {
-            let bar = console.bar(&format!("pass {}", pass + 1), 100);
-            let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
-            let ran = simulation.run_pass(model, &mut trial_run.state, &mut show);
-            bar.finish_and_clear();
-            match ran {
-                Ok(ran) => trial_run.passes.push(ran),
-                Err(error) => {
-                    trial_run.stopped = Some(error);
-                    break;
-                }
-            }
-            if keeping.snapshots {
-                trial_run.keep(simulation, model, folder)?;
-            }
-        }
-        trial_run.real_time_factor = simulation.duration(first) / started.elapsed().as_secs_f64();
-        Ok(trial_run)
-    }
-
-    /// Reads all passes up to a state of an earlier run.
-    fn put_back(&mut self, simulation: &Simulation, model: &CompiledModel, resume: &Resume) -> Result<()> {
-        for pass in 1..=resume.passes {
-            let Snapshot { part, tool, trial_time, record } =
-                snapshot::read(&resume.folder, pass, model, &origin(simulation, model, pass))?;
-            self.state = TrialState { part, tool, passes: pass, trial_time, first_row: self.state.first_row };
-            self.passes.push(simulation.scanned(model, &self.state, record)?);
-        }
-        Ok(())
-    }
-
-    /// Writes the state after the last pass.
-    fn keep(&self, simulation: &Simulation, model: &CompiledModel, folder: &Path) -> Result<()> {
-        let TrialState { part, tool, passes, trial_time, .. } = self.state.clone();
-        let record = self.passes[passes - 1].record.clone();
-        let state = Snapshot { part, tool, trial_time, record };
-        Ok(snapshot::write(folder, passes, &state, origin(simulation, model, passes))?)
-    }
-
-    /// Returns the number of passes done.
-    pub fn done(&self) -> usize {
-        self.passes.len()
-    }
-
     /// Returns the results of the run; they do not depend on the machine.
     pub fn summary(&self, trial: &Trial, model: &CompiledModel) -> TrialRunSummary {
-        let each = |figure: fn(&SimulatedPass) -> f64| self.passes.iter().map(figure).collect();
+        let each = |figure: fn(&PassRecord) -> f64| {
+            self.passes.iter().map(|pass| figure(&pass.simulated.record)).collect::<Vec<f64>>()
+        };
         let clean = |map| despiked(map).0;
         let repeat = trial.scans.repeats.first().map(clean);
         let noise = repeat.and_then(|repeat| noise_floor(&clean(&trial.scans.before), &repeat).ok());
-        let measured = trial.passes.iter().filter_map(|pass| pass.scan.mask().map(exposed_share));
         TrialRunSummary {
             format: SIMULATION_FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             trial: trial.name.clone(),
             voxel_mm: self.state.part.voxel * 1e3,
             model: model_facts(model).into_iter().collect(),
-            removed_by_law_mm3: each(|pass| pass.record.removed_volume * 1e9),
-            coating_mm3: each(|pass| pass.record.coating_volume * 1e9),
-            exposed_share: self.passes.iter().filter_map(|pass| pass.exposed_share).collect(),
-            measured_exposed_share: measured.collect(),
-            force_rms_error_n: each(|pass| pass.record.force_rms_error),
-            impulse_ns: each(|pass| pass.record.impulse),
-            residual_rms_um: (0..self.passes.len())
-                .filter_map(|pass| residual(trial, &self.passes, pass))
-                .map(|r| r * 1e6)
-                .collect(),
+            removed_by_law_mm3: each(|record| record.removed_volume * 1e9),
+            coating_mm3: each(|record| record.coating_volume * 1e9),
+            exposed_share: self.passes.iter().filter_map(|pass| pass.simulated.exposed_share).collect(),
+            measured_exposed_share: self.passes.iter().filter_map(|pass| pass.measured_share).collect(),
+            force_rms_error_n: each(|record| record.force_rms_error),
+            impulse_ns: each(|record| record.impulse),
+            residual_rms_um: self.passes.iter().filter_map(|pass| pass.residual).map(|r| r * 1e6).collect(),
             noise_floor_um: noise.map(|noise| noise.rms * 1e6),
-            steps: self.passes.iter().map(|pass| pass.record.steps).sum(),
+            steps: self.passes.iter().map(|pass| pass.simulated.record.steps).sum(),
             stopped: self.stopped.as_ref().map(ToString::to_string),
         }
     }
@@ -185,13 +188,13 @@ impl TrialRun {
         console: &Console,
     ) -> Result<()> {
         let place = |name: &str| staged.path().join(name);
-        for (i, pass) in self.passes.iter().enumerate() {
+        for (i, TrialPass { simulated: pass, .. }) in self.passes.iter().enumerate() {
             if let Some(covariates) = &pass.covariates {
                 let folder = place("covariates");
                 fs::create_dir_all(&folder)?;
                 covariate_maps::write(&folder, i + 1, covariates, &trial.scans.before.pixels)?;
             }
-            fs::write(place(&format!("pass{}_log.csv", i + 1)), log_csv(&pass.record.log))?;
+            fs::write(place(&format!("pass{}_log.csv", i + 1)), log_csv(&pass.record))?;
             fs::write(place(&format!("pass{}_{}.csv", i + 1, pass.scan.file_word())), pass.scan.csv())?;
         }
         fs::write(place("after.nvdb"), nvdb::write_field(&self.state.part, Codec::Zip)?)?;
@@ -201,34 +204,21 @@ impl TrialRun {
         Ok(())
     }
 
-    /// Reports the results of each pass on the console.
+    /// Reports noise and speed on the console.
     pub fn describe(&self, summary: &TrialRunSummary, console: &Console) {
-        for (i, pass) in self.passes.iter().enumerate() {
-            let mut text = match pass.exposed_share {
-                Some(share) => format!(
-                    "{:.1} % exposed, {:.1} % measured; {:.2} mm³ of coating",
-                    share * 100.0,
-                    summary.measured_exposed_share.get(i).unwrap_or(&f64::NAN) * 100.0,
-                    pass.record.coating_volume * 1e9
-                ),
-                None => format!("{:.2} mm³ removed", pass.record.removed_volume * 1e9),
-            };
-            if let Some(residual) = summary.residual_rms_um.get(i) {
-                text += &format!("; {residual:.2} µm rms off the scan");
-            }
-            console.step(&format!("pass {}", i + 1), text);
-        }
         if let Some(noise) = summary.noise_floor_um {
             console.step("noise", format!("{noise:.2} µm rms in one scan"));
         }
-        console.step("speed", format!("{:.0} times real time", self.real_time_factor));
+        console.step("speed", format!("{:.0} times real time", self.real_time_factor()));
     }
 }
 
 /// Returns the root mean square of measured minus simulated heights after a pass [m], registered where no pass so far
 /// touched the part; `None` for exposure masks, and if too little is untouched.
-pub fn residual(trial: &Trial, simulated: &[SimulatedPass], pass: usize) -> Option<f64> {
-    let (measured, simulated) = (trial.passes[pass].scan.heights()?, simulated[pass].scan.heights()?);
+///
+/// - `pass`: its number, from 0
+pub fn residual(trial: &Trial, simulated: &SimulatedPass, pass: usize) -> Option<f64> {
+    let (measured, simulated) = (trial.passes[pass].scan.heights()?, simulated.scan.heights()?);
     let (measured, _) = despiked(measured);
     let mut free = vec![true; measured.heights.len()];
     for before in &trial.passes[..=pass] {

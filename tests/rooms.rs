@@ -29,7 +29,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("experiments", &["effects", "lab", "robot", "sdf-bake", "trial-simulation", "trials"]),
     ("study", &["effects", "experiments", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
-    ("benchmark", &["effects", "lab", "random", "study", "trials", "virtual-lab"]),
+    ("benchmark", &["effects", "files", "lab", "random", "study", "trials", "virtual-lab"]),
     ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),
     ("workbench", &["effects", "files", "lab", "render", "report", "sdf-bake", "study", "trial-simulation", "trials"]),
     (

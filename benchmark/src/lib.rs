@@ -8,6 +8,8 @@
 //!    [`Interval`] its intervals, [`Errors`] the held-out errors.
 //! 4. [`Summary`] counts them, with intervals, beside baselines that a study must beat.
 //!
+//! [`OpenedSeal`] compares one study with one sealed answer.
+//!
 //! The generator has a finer lattice, shorter steps, another path and an instrument's errors; the study reads only the
 //! trial folders.
 
@@ -23,6 +25,7 @@ mod outcome;
 mod power;
 mod rate;
 mod sample;
+mod sealed;
 mod summary;
 mod table;
 
@@ -37,4 +40,5 @@ pub use outcome::{BenchError, Outcome, run};
 pub use power::Power;
 pub use rate::Rate;
 pub use sample::sample;
+pub use sealed::{OpenedSeal, SealError};
 pub use summary::{Compared, CoverageOf, Scores, Summary};

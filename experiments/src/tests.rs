@@ -3,7 +3,7 @@
 use effects::Process;
 use glam::{DVec2, DVec3};
 use nalgebra::{DMatrix, DVector};
-use robot::Controller;
+use robot::{Controller, LogRow};
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::menu::menu;
@@ -11,7 +11,7 @@ use super::score::{Belief, Predicted, Score};
 use super::*;
 use lab::criteria::{TRIAL_DRESSING_MINUTES, TRIAL_SCAN_MINUTES, TRIAL_SETUP_MINUTES};
 use trial_simulation::PassPlan;
-use trials::trial::{ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, PassScan, Role, Scans, ToolPath};
+use trials::trial::{ForceInput, FrameErrors, FrameOffset, HeldTool, Log, PassScan, Role, Scans, ToolPath};
 
 /// A wheel that comes down on a plate of 40 by 20 mm for 0.5 s, is fed for 20 mm in 2 s and rises for 0.5 s.
 fn trial(passes: usize) -> Trial {

@@ -38,6 +38,8 @@ pub struct Diagnosis {
     pub blind: BTreeMap<String, String>,
     /// Frame offset of the logs beside the final model; `None` where no logs were moved.
     pub frame: Option<FrameEstimate>,
+    /// Statement that the data do not depend on what a law depends on, if so.
+    pub unrelated: Option<String>,
 }
 
 /// Progress callback: finished part, its number, and the number of parts.
@@ -164,6 +166,10 @@ impl Diagnosis {
             search = Search::of_pair(pair, model, searches);
             verdict = search.judged(evidence, &detectable)?;
         }
+        let unrelated = evidence.unrelated();
+        if unrelated.is_some() {
+            verdict = Verdict::NotTestable;
+        }
         if verdict == Verdict::NothingMissing && search.rounds[0].hint().is_some() {
             verdict = Verdict::Hint;
         }
@@ -173,7 +179,7 @@ impl Diagnosis {
         if is_silent && frame.is_some_and(|frame| frame.cause.effect().is_some()) {
             verdict = Verdict::Identified;
         }
-        Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind, frame })
+        Ok(Self { verdict, rounds: search.rounds, model, fit, detectable, blind, frame, unrelated })
     }
 
     /// The effects found, in order; none if the model with them is not an adequate fit.

@@ -145,6 +145,12 @@ pub trait Evidence: Sync {
     /// Reason for which an effect cannot show in these data, if any.
     fn is_blind_to(&self, effect: &Effect) -> Option<String>;
 
+    /// Statement that the data do not depend on what a law depends on, so that no effect can be named from them; `None`
+    /// if they do, or cannot tell.
+    fn unrelated(&self) -> Option<String> {
+        None
+    }
+
     /// Number of conditions among the calibration data that a model distinguishes, less the nuisance degrees of
     /// freedom: a model with as many parameters fits any measurement.
     ///

@@ -34,7 +34,7 @@ pub struct Finding {
     /// Factor on the prior odds from the family: all forms of a dependence are equally likely a priori, and the one
     /// that predicts best represents them. 0 for a form that another one represents.
     pub share: f64,
-    /// True if it is admissible: significant and large enough to be named.
+    /// True if it is admissible: significant, large enough to be named, and from data that depend on the settings.
     pub is_admissible: bool,
     /// Reason why it cannot be named alone, even if it fits far better than all others.
     pub reserve: Option<Reserve>,
@@ -93,7 +93,7 @@ impl Finding {
             closed: prediction.closed_size(evidence),
             prediction,
             share: 1.0,
-            is_admissible: is_real && size > least_size(before),
+            is_admissible: is_real && size > least_size(before) && evidence.unrelated().is_none(),
             reserve: if is_real { Reserve::of(&suspect, *spread, conditions) } else { None },
             suspect,
         })

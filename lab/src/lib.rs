@@ -87,6 +87,7 @@ mod table_noise;
 mod table_ranges;
 mod table_reach;
 mod table_reads;
+mod table_relation;
 mod table_steps;
 mod tile_noise;
 mod tiles;

@@ -9,6 +9,7 @@ use super::summary::EffectSummary;
 use super::table_library::{column_effect, column_of};
 use super::table_noise::{RowNoise, row_noise};
 use super::table_reads::silenced;
+use super::table_relation::unrelated;
 use super::table_steps::Rows;
 use crate::criteria::{
     GROSS_RESIDUAL_SIGMAS, GROUP_GAIN_SIGMA, HUBER_CONSTANT, OUTLIER_SIGMAS, PREDICTION_LEAST_SHARE, ROW_BLOCK_LENGTH,
@@ -40,6 +41,8 @@ pub struct RowEvidence<'a> {
     noise_limit: f64,
     /// Assumptions, one sentence each.
     pub notes: Vec<String>,
+    /// Statement that the removals do not depend on the settings, if so.
+    unrelated: Option<String>,
     /// Rows with a removal, by split.
     calibration: Vec<usize>,
     evaluation: Vec<usize>,
@@ -62,8 +65,11 @@ impl<'a> RowEvidence<'a> {
         let middle =
             median(rates).ok_or_else(|| EvidenceError::NoData(format!("{}: no row calibrates", table.name)))?;
         let RowNoise { sigma: noise, limit: noise_limit, how } = row_noise(table, &calibration);
-        let mut evidence = Self { table, noise, noise_limit, notes: vec![how], calibration, evaluation, middle };
+        let unrelated = unrelated(table, &calibration);
+        let mut evidence =
+            Self { table, noise, noise_limit, notes: vec![how], unrelated, calibration, evaluation, middle };
         evidence.notes.extend(evidence.assumptions());
+        evidence.notes.extend(evidence.unrelated.clone());
         Ok(evidence)
     }
 
@@ -198,6 +204,10 @@ impl Evidence for RowEvidence<'_> {
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
         self.acts(effect).err()
+    }
+
+    fn unrelated(&self) -> Option<String> {
+        self.unrelated.clone()
     }
 
     fn family(&self, effect: &str) -> String {

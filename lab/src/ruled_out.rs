@@ -27,7 +27,9 @@ impl Round {
         if finding.p_value >= SIGNIFICANCE_LEVEL {
             reasons.push(format!("p-value {:.3}: not significant, {SIGNIFICANCE_LEVEL} is the level", finding.p_value));
         }
-        if reasons.is_empty() {
+        if reasons.is_empty() && finding.size > self.least_size() {
+            reasons.push("the data do not depend on what every law depends on".to_owned());
+        } else if reasons.is_empty() {
             let [size, least] = [finding.size, self.least_size()].map(|size| unit.shown(size));
             reasons.push(format!("too small to matter: {size}, and {least} count"));
         }

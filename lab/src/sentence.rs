@@ -44,6 +44,7 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
         }
         Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
         Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
+        Verdict::NotTestable if let Some(why) = &diagnosis.unrelated => format!("Nothing can be said: {why}."),
         Verdict::NotTestable if diagnosis.misses_held_out() => {
             "The calibration passes show nothing missing, but the model misses the held-out passes: calibrate it with \
              passes that vary as much."

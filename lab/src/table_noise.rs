@@ -16,7 +16,7 @@ use trials::table::{Row, Table};
 /// Most iterations of a robust regression and of a robust scale.
 const ROUNDS: usize = 20;
 /// Share of the largest singular value below which columns of a regression are linearly dependent.
-const DEPENDENT: f64 = 1e-9;
+pub(super) const DEPENDENT: f64 = 1e-9;
 
 /// Estimates the noise of a table from the named rows only. A noise that the table states is taken as it is.
 pub(super) fn row_noise(table: &Table, rows: &[usize]) -> RowNoise {
@@ -92,19 +92,20 @@ fn range(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// All declared values of the rows of a table.
-struct Declared<'a> {
+pub(super) struct Declared<'a> {
     table: &'a Table,
     rows: &'a [usize],
     /// Logarithm of the removal rate of each row.
     removal: Vec<f64>,
     /// Settings, measured states, use and time of each row, each divided by its range; constant ones are left out.
     values: Vec<Vec<f64>>,
-    /// Number of settings and measured states among them, which are equal in equal rows.
+    /// Number of settings among them, and of settings and measured states, which are equal in equal rows.
+    logarithms: usize,
     settings: usize,
 }
 
 impl<'a> Declared<'a> {
-    fn new(table: &'a Table, rows: &'a [usize]) -> Self {
+    pub(super) fn new(table: &'a Table, rows: &'a [usize]) -> Self {
         let of = |value: &dyn Fn(usize) -> f64| rows.iter().map(|&at| value(at)).collect::<Vec<f64>>();
         let ln = |value: Option<f64>| value.map_or(0.0, f64::ln);
         let timed = is_timed(table);
@@ -113,6 +114,7 @@ impl<'a> Declared<'a> {
         values.push(of(&|at| if timed { 0.0 } else { ln(row(at).duration) }));
         let is_constant = |values: &Vec<f64>, least: f64| range(values.iter().copied()).is_none_or(|r| r <= least);
         values.retain(|values| !is_constant(values, SAME_SETTING));
+        let logarithms = values.len();
         values.extend((0..table.usage.len()).map(|k| of(&|at| row(at).usage[k])));
         values.retain(|values| !is_constant(values, 0.0));
         let settings = values.len();
@@ -124,28 +126,39 @@ impl<'a> Declared<'a> {
         for (k, values) in values.iter_mut().enumerate() {
             let width = range(values.iter().copied()).filter(|width| *width > 0.0).unwrap_or(1.0);
             let middle = median(values.clone()).unwrap_or(0.0);
-            let is_logarithm = k < settings && k + table.usage.len() < settings;
-            let width = if is_logarithm { 1.0 } else { width };
+            let width = if k < logarithms { 1.0 } else { width };
             values.iter_mut().for_each(|value| *value = (*value - middle) / width);
         }
         let removal = of(&|at| ln(row(at).removal_rate));
-        Self { table, rows, removal, values, settings }
+        Self { table, rows, removal, values, logarithms, settings }
     }
 
     fn group(&self, k: usize) -> usize {
         self.table.rows[self.rows[k]].group
     }
 
-    /// Residual of a regression of the rows on all declared values, with squares if there are enough rows, and its
-    /// description.
-    fn of_rows(&self) -> Option<(Left, String)> {
+    /// A column for each group: 1 in its rows, 0 in the others.
+    fn groups(&self) -> Vec<Vec<f64>> {
         let mut groups: Vec<usize> = (0..self.rows.len()).map(|k| self.group(k)).collect();
         groups.sort_unstable();
         groups.dedup();
-        let mut columns: Vec<Vec<f64>> = groups
-            .iter()
-            .map(|group| (0..self.rows.len()).map(|k| f64::from(u8::from(self.group(k) == *group))).collect())
-            .collect();
+        let is_of = |group: usize| (0..self.rows.len()).map(move |k| f64::from(u8::from(self.group(k) == group)));
+        groups.into_iter().map(|group| is_of(group).collect()).collect()
+    }
+
+    /// Columns of groups and measured states, and of use and time where a tool is used in more than one row: all but the
+    /// settings.
+    pub(super) fn beside_settings(&self) -> Vec<Vec<f64>> {
+        let wears = self.rows.iter().any(|&at| !self.table.rows[at].fresh);
+        let values = &self.values[self.logarithms..if wears { self.values.len() } else { self.settings }];
+        self.groups().into_iter().chain(values.iter().cloned()).collect()
+    }
+
+    /// Residual of a regression of the rows on all declared values, with squares if there are enough rows, and its
+    /// description.
+    fn of_rows(&self) -> Option<(Left, String)> {
+        let groups = self.groups();
+        let mut columns = groups.clone();
         columns.extend(self.values.iter().cloned());
         let squared = self.values[..self.settings].iter().filter(|values| levels(values) >= ROW_SQUARE_LEVELS_LEAST);
         let squares: Vec<Vec<f64>> = squared.map(|v| v.iter().map(|v| v * v).collect()).collect();

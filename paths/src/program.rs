@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use instruments::program::{Point, Program};
-use trials::trial::{Log, LogRow};
+use robot::LogRow;
+use trials::trial::Log;
 
 /// Greatest distance of a row from the straight line through its neighbours at which the program omits it [m].
 const STRAIGHT: f64 = 1e-6;

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::speed::Trapezoid;
 use super::{Leg, Plan, PlanError, Travel, Waypoint};
-use robot::Tool;
-use trials::trial::{Log, LogRow};
+use robot::{LogRow, Tool};
+use trials::trial::Log;
 
 /// Greatest number of rows of a path.
 const MOST_ROWS: f64 = 1e6;

@@ -141,7 +141,7 @@ impl Record {
         Self { inner }
     }
 
-    fn column<'py>(&self, py: Python<'py>, value: fn(&sim::LogRow) -> f64) -> Bound<'py, PyArray1<f64>> {
+    fn column<'py>(&self, py: Python<'py>, value: fn(&robot::LogRow) -> f64) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.inner.log.iter().map(value))
     }
 }
@@ -240,7 +240,7 @@ impl Record {
 
     /// The log in the program's CSV format.
     fn log_csv(&self) -> String {
-        robofin::finishing::log_csv(&self.inner.log)
+        robofin::finishing::log_csv(&self.inner)
     }
 
     fn __repr__(&self) -> String {

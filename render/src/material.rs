@@ -124,8 +124,8 @@ impl MaterialLanes {
 }
 
 impl Appearance {
-    /// Mixes coated and exposed appearance by min(D, 1), through a primer if there is one. Exposed metal is ground where a tool has removed metal or
-    /// coating, otherwise base or weld metal.
+    /// Mixes coated and exposed appearance by min(D, 1), through a primer if there is one. Exposed metal is ground where
+    /// a tool has removed metal or coating, otherwise base or weld metal.
     ///
     /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! Light reflected by the samples of a tile to the camera, in lanes.
 
+use glam::Vec3;
+
 use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Points, any};
 use super::marks::{Grooves, any_tangent};
@@ -51,15 +53,18 @@ impl ShadeLanes<'_> {
         let mut light = Points::ZERO;
         for i in 0..LANES {
             let (facets, viewer) = (facets.get(i), -samples.directions.get(i));
-            let mirror = facets.mirrored(viewer);
-            let mut mirrored = environment.radiance(mirror.dot(up), facets.roughness());
-            let mut around = environment.radiance(facets.normal.dot(up), 1.0);
-            for panel in &stage.panels {
-                mirrored += panel.radiance(mirror, facets.roughness());
-                around += panel.radiosity(facets.normal);
+            let mirrored = environment.radiance(facets.mirrored(viewer).dot(up), facets.roughness());
+            let around = environment.radiance(facets.normal.dot(up), 1.0);
+            light.set(i, open_light(&facets, viewer, (around, mirrored)) * shelter.open[i]);
+        }
+        // In a loop of their own: without panels the loop above stays free of branches, and runs in lanes.
+        for panel in &stage.panels {
+            for i in 0..LANES {
+                let (facets, viewer) = (facets.get(i), -samples.directions.get(i));
+                let mirrored = panel.radiance(facets.mirrored(viewer), facets.roughness());
+                let around = panel.radiosity(facets.normal);
+                light.set(i, light.get(i) + open_light(&facets, viewer, (around, mirrored)) * shelter.open[i]);
             }
-            let open = facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored;
-            light.set(i, open * shelter.open[i]);
         }
         for (lamp, shares) in stage.lamps.iter().zip(&shelter.shares) {
             if shares.iter().all(|share| *share <= 0.0) {
@@ -166,4 +171,12 @@ impl ShadeLanes<'_> {
         let marked = plain.turned(tilted, along, anisotropy);
         if ground > 0.0 { marked } else { *plain }
     }
+}
+
+/// Light of the surroundings reflected to the viewer where nothing hides them.
+///
+/// - `around`, `mirrored`: radiance from around the normal, and from the mirrored direction
+#[inline(always)]
+fn open_light(facets: &Facets, viewer: Vec3, (around, mirrored): (Vec3, Vec3)) -> Vec3 {
+    facets.diffuse_share() * around + facets.environment_share(viewer) * mirrored
 }

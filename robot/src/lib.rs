@@ -1,4 +1,4 @@
-//! Shapes of a finishing robot's tools, and the controllers that press them on the workpiece.
+//! Shapes of a finishing robot's tools, the controllers that press them on the workpiece, and the rows of its log.
 //!
 //! Every tool is defined by two functions of a point in its own frame (y across the feed, z away from the part, x = y ×
 //! z): the depth of the point below the working surface, and its distance inside the working surface's border. Side
@@ -19,6 +19,7 @@
 
 mod controller;
 mod field;
+mod log_row;
 mod mesh;
 mod pad;
 mod sphere;
@@ -28,6 +29,7 @@ mod wheel;
 
 pub use controller::Controller;
 pub use field::FieldTool;
+pub use log_row::LogRow;
 pub use mesh::MeshDepth;
 pub use pad::Pad;
 pub use sphere::Sphere;

@@ -73,7 +73,7 @@ pub use pass::{Progress, Underway, rest, run_pass, run_stretch};
 pub use path::{CurvePoint, Path, PathError, PathSample};
 pub use pose::{Frame, Placement, Pose};
 pub use profilometer::Profilometer;
-pub use record::{LogRow, PassRecord};
+pub use record::PassRecord;
 pub use settings::{LONGEST_STEP, Pass, PassError, PassSettings};
 pub use tool_cells::COUNT as TOOL_CELLS;
 pub use topography::Topography;

@@ -1,6 +1,6 @@
 //! Record of a pass: its log and what it removed.
 
-use glam::DVec3;
+use robot::LogRow;
 use serde::{Deserialize, Serialize};
 pub(crate) use shaders::constants::DEVICE_CLOCK;
 
@@ -18,21 +18,6 @@ pub struct Removal {
     pub volume: f64,
     /// Removed volume of coating, Eq. (2) [m³].
     pub coating_volume: f64,
-}
-
-/// One row of the log, as robot and force sensor report it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LogRow {
-    /// Since the start of the pass [s].
-    pub time: f64,
-    /// The tool's reference point [m].
-    pub position: DVec3,
-    /// Approach axis, unit, out of the part.
-    pub approach: DVec3,
-    /// Normal force at this time [N].
-    pub force: f64,
-    /// Speed of the spindle [rad/s].
-    pub spindle_speed: f64,
 }
 
 /// Record of one pass.

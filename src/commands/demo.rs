@@ -21,11 +21,12 @@ use crate::finishing::{
     self, GRIND_FILE, GROUND_NAMES, GrindSummary, Grinding, Ground, PAGE_FILE, Plan, Session, grind_asset,
 };
 use crate::part::Part;
-use crate::sealed_example::{EXAMPLE_NAME, Opened, open, unpack};
+use crate::sealed_example::{EXAMPLE_NAME, unpack};
 use crate::workpiece::{Fineness, WeldSettings, WeldingOptions, weld_part};
+use benchmark::OpenedSeal;
 use files::folder::StagedFolder;
 use files::output::{FolderKind, OutputPath};
-use report::study::story;
+use report::study::{Sealed, story};
 use study::snapshot::Keeping;
 use study::{Measurements, STUDY_FILE, StudyRecord, StudyState, inputs_sha256};
 use trials::trial::PLAN_NAMES;
@@ -90,7 +91,7 @@ struct DemoAnswer<'a> {
     seconds: f64,
     real_time_factor: f64,
     grind: GrindSummary,
-    study: Opened,
+    study: OpenedSeal,
 }
 
 /// Runs a study to its end.
@@ -111,7 +112,7 @@ fn make(args: &DemoArgs, search: Search, console: &Console) -> Result<()> {
         out: &out,
         page: out.join(PAGE_FILE),
         seconds,
-        real_time_factor: ground.real_time_factor(),
+        real_time_factor: ground.run.real_time_factor(),
         grind: ground.summary(),
         study,
     };
@@ -139,7 +140,7 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     let grind_folder = StagedFolder::fresh(&folder.join("grind"))?;
     let (grinding, session) = (Grinding { wheel, plan, model }, Session { executor: Executor::Cpu, console });
     let mut ground = grind_asset(&asset, grinding, &Keeping::default(), grind_folder.path(), session)?;
-    if let Some(error) = ground.stopped.take() {
+    if let Some(error) = ground.run.stopped.take() {
         return Err(error);
     }
     let page = finishing::write(&ground, &asset, grind_folder, console)?;
@@ -149,7 +150,7 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
 }
 
 /// Studies the bundled sealed example to the end, then opens its seal.
-fn study(folder: &Path, search: Search, console: &Console) -> Result<Opened> {
+fn study(folder: &Path, search: Search, console: &Console) -> Result<OpenedSeal> {
     let (campaign, key) = (folder.join(EXAMPLE_NAME), folder.join(format!("{EXAMPLE_NAME}.key")));
     unpack(&campaign, &key)?;
     let library = Library::builtin();
@@ -161,9 +162,12 @@ fn study(folder: &Path, search: Search, console: &Console) -> Result<Opened> {
     let mut course = StudyState::new(data, library, model, record)?;
     search(&mut course)?;
     let report = super::study::write_files(&mut course, folder, library, console)?;
-    let (opened, sealed) = open(&campaign, &key, &course)?;
+    let opened = OpenedSeal::open(&campaign, &key, &course)?;
+    let (sha256, hidden, found) = (&opened.sha256, &opened.hidden_lines, &opened.found_lines);
+    console.step("seal", format!("opened; hidden was {}", hidden.join(", ")));
+    let (hidden, found, is_right) = (hidden.clone(), found.clone(), opened.is_right);
+    let sealed = Sealed { sha256: sha256.clone(), hidden, found, is_right };
     fs::write(folder.join("story.svg"), story(&report, &sealed))?;
-    console.step("seal", format!("opened; hidden was {}", sealed.hidden.join(", ")));
     console.step("", if opened.is_right { "the study was right" } else { "the study was WRONG" });
     Ok(opened)
 }

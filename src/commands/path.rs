@@ -17,8 +17,8 @@ use files::output::FileKind;
 use instruments::program::{self, Language, ReadOptions};
 use paths::program::points_of;
 use paths::{LineDirection, Plan, Raster, Travel, along_weld, raster};
-use robot::{Tool, ToolText};
-use trials::trial::{Log, LogRow, RPM, log_csv, read_log};
+use robot::{LogRow, Tool, ToolText};
+use trials::trial::{Log, RPM, log_csv, read_log};
 
 /// Accepted sizes of a tool [mm], the same as for the wheel of `robofin simulate`.
 const SIZES_MM: (f64, f64) = (0.1, 1000.0);

@@ -18,7 +18,7 @@ use super::values::{number, whole};
 use crate::batch::{self, BATCH, BATCH_FILE, BatchLine, BatchRun};
 use crate::console::Console;
 use crate::finishing::{self, GROUND, GrindSummary, Grinding, Plan, Session, grind_asset};
-use crate::trial_run::{TRIAL_RUN, TrialRun, TrialRunSummary, is_trial};
+use crate::trial_run::{TRIAL_RUN, TrialPasses, TrialRun, TrialRunSummary, is_trial};
 use files::folder::StagedFolder;
 use study::snapshot::{Keeping, Resume, kept};
 use trial_simulation::Simulation;
@@ -251,17 +251,19 @@ fn run_trial(args: &SimulateArgs, console: &Console) -> Result<()> {
     if let Some(runs) = runs {
         return run_batch((&runs, folder), &simulation, args, console);
     }
-    let trial_run = TrialRun::run(&simulation, &model, (&keeping, folder.path()), console)?;
+    let trial_run =
+        TrialRun::new(&TrialPasses { simulation: &simulation, model: &model }, (&keeping, folder.path()), console)?;
     let summary = trial_run.summary(&trial, &model);
     trial_run.describe(&summary, console);
     trial_run.write(&summary, &trial, folder, console)?;
-    let passes = (trial_run.done(), trial.passes.len());
+    let passes = (trial_run.passes.len(), trial.passes.len());
+    let real_time_factor = trial_run.real_time_factor();
     if let Some(error) = trial_run.stopped {
-        return Err(anyhow::Error::new(error).context(kept(&args.out.out, passes, keeping.snapshots)));
+        return Err(error.context(kept(&args.out.out, passes, keeping.snapshots)));
     }
     console.step("done", format!("{}", args.out.out.display()));
     let backend = name_of(device.as_ref());
-    let (out, notes, real_time_factor) = (&args.out.out, &trial.notes, trial_run.real_time_factor);
+    let (out, notes) = (&args.out.out, &trial.notes);
     console.answer(&TrialAnswer { out, notes, backend, real_time_factor, summary })
 }
 
@@ -317,16 +319,16 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let mut ground = grind_asset(&args.folder, grinding, &keeping, folder.path(), session)?;
     finishing::write(&ground, &args.folder, folder, console)?;
     console.step("weld", finishing::describe_rest(&ground));
-    if let Some(error) = ground.stopped.take() {
-        let passes = (ground.passes.len(), plan.passes as usize);
+    if let Some(error) = ground.run.stopped.take() {
+        let passes = (ground.run.passes.len(), plan.passes as usize);
         return Err(error.context(kept(&args.out.out, passes, keeping.snapshots)));
     }
     console.step("done", format!("{}", args.out.out.display()));
     console.answer(&SimulateAnswer {
         out: &args.out.out,
         backend: name_of(device.as_ref()),
-        real_time_factor: ground.real_time_factor(),
-        seconds: ground.seconds,
+        real_time_factor: ground.run.real_time_factor(),
+        seconds: ground.run.seconds,
         summary: ground.summary(),
     })
 }

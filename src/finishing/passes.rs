@@ -1,20 +1,128 @@
-//! Passes of a plan along a weld, one after the other; if one fails, those before it are kept.
+//! Passes of a plan along a weld, to and fro.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context, Result, ensure};
 use effects::{CompiledModel, States};
+use lab::{Origin, identity, model_origin};
 use robot::Tool;
 use sdf_bake::BrickGrid;
-use sim::{CurvePoint, Pass, PassRecord, PassSettings, TOOL_CELLS};
+use sim::{CurvePoint, Executor, Pass, PassRecord, PassSettings, Progress, TOOL_CELLS};
+use trial_simulation::RunState;
 
-use super::{Grinding, Session};
+use super::Grinding;
 use crate::asset::WeldTruth;
-use lab::Origin;
-use study::snapshot::{self, Resume, Snapshot};
+use crate::pass_run::Passes;
 
 /// Greatest number of steps in a pass; a step is shorter than a millisecond.
 const MOST_STEPS: f64 = 2e5;
+
+/// Planned passes along the weld of an asset.
+pub(super) struct WeldPasses<'a> {
+    grinding: &'a Grinding,
+    /// The workpiece as welded.
+    welded: &'a BrickGrid,
+    asset_sha256: &'a str,
+    executor: Executor<'a>,
+    tool: Tool,
+    forth: sim::Path,
+    back: sim::Path,
+    settings: PassSettings,
+}
+
+/// A completed pass along a weld.
+pub struct WeldPass {
+    /// Figures and log.
+    pub record: PassRecord,
+    /// Volume lost by the field [m³].
+    pub lost: f64,
+}
+
+impl<'a> WeldPasses<'a> {
+    /// Plans the passes along a weld.
+    ///
+    /// - `welded`: the workpiece, and the SHA-256 of its asset's manifest
+    ///
+    /// # Errors
+    /// If the weld gives no path, or a pass takes too many steps.
+    pub(super) fn new(
+        grinding: &'a Grinding,
+        (welded, asset_sha256): (&'a BrickGrid, &'a str),
+        weld: &WeldTruth,
+        executor: Executor<'a>,
+    ) -> Result<Self> {
+        let Grinding { wheel, plan, .. } = grinding;
+        let tool = Tool::from(*wheel);
+        let (curve, search_reach) = followed(weld, &tool);
+        let forth = sim::Path::along(&curve, plan.feed)?;
+        let settings = PassSettings { force_setpoint: plan.force_setpoint, search_reach, ..PassSettings::default() };
+        check_steps(&forth, &settings, welded.voxel)?;
+        let back = forth.reversed();
+        Ok(Self { grinding, welded, asset_sha256, executor, tool, forth, back, settings })
+    }
+}
+
+impl Passes for WeldPasses<'_> {
+    type Pass = WeldPass;
+
+    fn count(&self) -> usize {
+        self.grinding.plan.passes as usize
+    }
+
+    fn model(&self) -> &CompiledModel {
+        &self.grinding.model
+    }
+
+    fn start(&self) -> RunState {
+        let tool = States::new(self.model(), TOOL_CELLS);
+        RunState { part: self.welded.clone(), tool, passes: 0, trial_time: 0.0, first_row: 0 }
+    }
+
+    fn run(&self, state: &mut RunState, progress: &mut dyn FnMut(Progress)) -> Result<WeldPass> {
+        let RunState { passes: done, trial_time, .. } = *state;
+        let path = if done % 2 == 0 { &self.forth } else { &self.back };
+        let first = Pass::first(&self.tool, path, &self.settings, self.model());
+        let pass = Pass { number: done + 1, trial_time, row: done, ..first };
+        let before = state.part.volume();
+        let record = self.executor.run_pass(&mut state.part, pass, &mut state.tool, progress);
+        let record = record.with_context(|| format!("pass {}", done + 1))?;
+        ensure!(
+            record.steps_in_air < record.steps,
+            "pass {}: the wheel never touched the part; is the weld within reach of the wheel?",
+            done + 1
+        );
+        state.passes += 1;
+        state.trial_time = state.passes as f64 * self.forth.duration();
+        Ok(WeldPass { record, lost: before - state.part.volume() })
+    }
+
+    fn read_back(&self, before: &RunState, after: &RunState, record: PassRecord) -> Result<WeldPass> {
+        Ok(WeldPass { record, lost: before.part.volume() - after.part.volume() })
+    }
+
+    fn record<'p>(&self, pass: &'p WeldPass) -> &'p PassRecord {
+        &pass.record
+    }
+
+    fn describe(&self, WeldPass { record, lost }: &WeldPass) -> String {
+        format!(
+            "{:.2} mm³ removed from the field in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
+            lost * 1e9,
+            record.duration,
+            record.steps,
+            record.force_rms_error,
+            record.pressure_max * 1e-6
+        )
+    }
+
+    fn origin(&self, _: usize) -> Origin {
+        let Grinding { wheel, plan, model } = self.grinding;
+        let mut origin = model_origin(model);
+        origin.insert("asset".into(), self.asset_sha256.to_owned());
+        origin.insert("wheel".into(), identity(wheel));
+        origin.insert("force setpoint".into(), format!("{:?} N", plan.force_setpoint));
+        origin.insert("feed".into(), format!("{:?} m/s", plan.feed));
+        origin
+    }
+}
 
 /// Refuses a pass that takes too many steps.
 fn check_steps(path: &sim::Path, settings: &PassSettings, voxel: f64) -> Result<()> {
@@ -28,81 +136,6 @@ fn check_steps(path: &sim::Path, settings: &PassSettings, voxel: f64) -> Result<
         voxel * 1e3,
     );
     Ok(())
-}
-
-/// Passes done.
-#[derive(Default)]
-pub(super) struct Done {
-    pub(super) passes: Vec<PassRecord>,
-    /// Volume lost by the field in each pass [m³].
-    pub(super) lost: Vec<f64>,
-    /// Volume lost in a failed pass, up to its last good step [m³].
-    pub(super) lost_since: f64,
-    /// Reason why no further pass was run.
-    pub(super) stopped: Option<Error>,
-    /// States of the wheel; `None` for a fresh wheel.
-    tool: Option<States>,
-    /// Folder for the states after further passes, and the inputs that they depend on.
-    pub(super) folder: Option<(PathBuf, Origin)>,
-}
-
-impl Done {
-    /// Reads the passes up to a state of an earlier run, and sets `grid` to that state.
-    pub(super) fn read(resume: &Resume, grid: &mut BrickGrid, model: &CompiledModel, origin: &Origin) -> Result<Self> {
-        let mut done = Self::default();
-        for pass in 1..=resume.passes {
-            let state = snapshot::read(&resume.folder, pass, model, origin)?;
-            done.lost.push(grid.volume() - state.part.volume());
-            done.passes.push(state.record);
-            done.tool = Some(state.tool);
-            *grid = state.part;
-        }
-        Ok(done)
-    }
-}
-
-/// Runs the remaining passes of a plan.
-pub(super) fn run_passes(
-    grid: &mut BrickGrid,
-    mut done: Done,
-    weld: &WeldTruth,
-    Grinding { wheel, plan, model }: &Grinding,
-    session: Session<'_>,
-) -> Result<Done> {
-    let tool = &Tool::from(*wheel);
-    let (curve, search_reach) = followed(weld, tool);
-    let forth = sim::Path::along(&curve, plan.feed)?;
-    let settings = PassSettings { force_setpoint: plan.force_setpoint, search_reach, ..PassSettings::default() };
-    check_steps(&forth, &settings, grid.voxel)?;
-    let back = forth.reversed();
-    let mut states = done.tool.take().unwrap_or_else(|| States::new(model, TOOL_CELLS));
-    let mut volume = grid.volume();
-    for number in done.passes.len() + 1..=plan.passes as usize {
-        let path = if number % 2 == 1 { &forth } else { &back };
-        let trial_time = (number - 1) as f64 * forth.duration();
-        let pass = Pass { number, trial_time, row: number - 1, ..Pass::first(tool, path, &settings, model) };
-        let record = match run_one((grid, &mut states), pass, session) {
-            Ok(record) => record,
-            Err(error) if number == 1 => return Err(error),
-            Err(error) => {
-                done.stopped = Some(error);
-                done.lost_since = volume - grid.volume();
-                break;
-            }
-        };
-        let left = grid.volume();
-        let lost = volume - left;
-        session.console.step(&format!("pass {number}"), describe(&record, lost));
-        if let Some((folder, origin)) = &done.folder {
-            let trial_time = number as f64 * forth.duration();
-            let state = Snapshot { part: grid.clone(), tool: states.clone(), trial_time, record: record.clone() };
-            snapshot::write(folder, number, &state, origin.clone())?;
-        }
-        done.lost.push(lost);
-        volume = left;
-        done.passes.push(record);
-    }
-    Ok(done)
 }
 
 /// Returns the line that the tool follows on a weld, and the search range for the surface above and below it [m].
@@ -119,35 +152,4 @@ pub fn followed(weld: &WeldTruth, tool: &Tool) -> (Vec<CurvePoint>, f64) {
         _ => PassSettings::default().search_reach,
     };
     (curve.collect(), reach)
-}
-
-/// Runs a pass; an error names it.
-fn run_one(
-    (grid, states): (&mut BrickGrid, &mut States),
-    pass: Pass,
-    Session { executor, console }: Session<'_>,
-) -> Result<PassRecord> {
-    let name = format!("pass {}", pass.number);
-    let bar = console.bar(&name, 100);
-    let mut show = |at: sim::Progress| bar.set_position((100.0 * at.time / at.duration) as u64);
-    let record = executor.run_pass(grid, pass, states, &mut show).context(name.clone());
-    bar.finish_and_clear();
-    let record = record?;
-    ensure!(
-        record.steps_in_air < record.steps,
-        "{name}: the wheel never touched the part; is the weld within reach of the wheel?"
-    );
-    Ok(record)
-}
-
-/// Describes a pass for people; `lost` is the volume lost by the field [m³], called removed volume in files and pages.
-fn describe(record: &PassRecord, lost: f64) -> String {
-    format!(
-        "{:.2} mm³ removed from the field in {:.1} s ({} steps), force off by {:.2e} N rms, peak pressure {:.2} MPa",
-        lost * 1e9,
-        record.duration,
-        record.steps,
-        record.force_rms_error,
-        record.pressure_max * 1e-6
-    )
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use crate::asset::{FileRecord, MANIFEST_FILE, Manifest, PREVIEW_FILE, WeldTruth, record_files};
-use crate::finishing::{Ground, model_facts};
+use crate::finishing::{Grinding, Ground, WeldPass, model_facts};
 use crate::picture::{GrindPictures, to_png};
 use files::input::{self, MOST_MESH_BYTES};
 use report::{Chart, Page, Series, WIDE};
@@ -41,18 +41,18 @@ pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) ->
 }
 
 fn lead(ground: &Ground) -> String {
-    let removed: f64 = ground.lost.iter().map(|volume| volume * 1e9).sum();
-    let passes =
-        if ground.passes.len() == 1 { "one pass".to_owned() } else { format!("{} passes", ground.passes.len()) };
+    let passes = &ground.run.passes;
+    let removed: f64 = passes.iter().map(|pass| pass.lost * 1e9).sum();
+    let passes = if passes.len() == 1 { "one pass".to_owned() } else { format!("{} passes", passes.len()) };
     format!(
         "A weld of {:.0} mm was laid on {}, and {passes} of a wheel at {:.0} N took {removed:.1} mm³ off it.",
-        ground.weld.length_mm, ground.source.file, ground.plan.force_setpoint
+        ground.weld.length_mm, ground.source.file, ground.grinding.plan.force_setpoint
     )
 }
 
 fn add_grinding(page: &mut Page, ground: &Ground) {
     page.section("Grinding");
-    if let Some(error) = &ground.stopped {
+    if let Some(error) = &ground.run.stopped {
         page.paragraph(&format!("The run ended before its last pass: {error:#}."));
     }
     let headings = [
@@ -71,10 +71,10 @@ fn add_grinding(page: &mut Page, ground: &Ground) {
 }
 
 fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
-    let row = |(i, pass): (usize, &sim::PassRecord)| {
+    let row = |(i, WeldPass { record: pass, lost }): (usize, &WeldPass)| {
         vec![
             format!("{}", i + 1),
-            format!("{:.3}", ground.lost[i] * 1e9),
+            format!("{:.3}", lost * 1e9),
             format!("{:.3}", pass.removed_volume * 1e9),
             format!("{:.2e}", pass.force_rms_error),
             format!("{:.2}", pass.pressure_max * 1e-6),
@@ -82,14 +82,14 @@ fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
             format!("{}", pass.steps),
         ]
     };
-    ground.passes.iter().enumerate().map(row).collect()
+    ground.run.passes.iter().enumerate().map(row).collect()
 }
 
 fn force_chart(ground: &Ground) -> String {
-    let line = |(i, pass): (usize, &sim::PassRecord)| {
-        Series::new(format!("pass {}", i + 1), pass.log.iter().map(|row| (row.time, row.force)).collect())
+    let line = |(i, pass): (usize, &WeldPass)| {
+        Series::new(format!("pass {}", i + 1), pass.record.log.iter().map(|row| (row.time, row.force)).collect())
     };
-    let series: Vec<Series> = ground.passes.iter().enumerate().map(line).collect();
+    let series: Vec<Series> = ground.run.passes.iter().enumerate().map(line).collect();
     Chart {
         title: "Normal force along each pass",
         x_label: "time in the pass [s]",
@@ -103,12 +103,12 @@ fn force_chart(ground: &Ground) -> String {
 }
 
 fn process_facts(ground: &Ground) -> Vec<(String, String)> {
-    let (wheel, plan) = (&ground.wheel, &ground.plan);
+    let Grinding { wheel, plan, model } = &ground.grinding;
     let mut facts = vec![
         ("wheel".into(), format!("radius {:.0} mm, width {:.0} mm", wheel.radius * 1e3, wheel.width * 1e3)),
         ("force setpoint, feed".into(), format!("{:.1} N, {:.1} mm/s", plan.force_setpoint, plan.feed * 1e3)),
     ];
-    facts.extend(model_facts(&ground.model));
+    facts.extend(model_facts(model));
     facts.extend([
         (
             "weld metal left above the part".into(),

@@ -16,7 +16,7 @@ const REACH: f64 = 0.85;
 pub(super) fn middle_section(ground: &Ground) -> String {
     let middle = ground.weld.curve.position.len() / 2;
     let outline = |name: &str, grid: &BrickGrid| Series::new(name, outline(grid, &ground.weld, middle));
-    let series = [outline("as welded", &ground.before), outline("as ground", &ground.after)];
+    let series = [outline("as welded", &ground.before), outline("as ground", &ground.run.state.part)];
     Chart {
         title: "Section across the middle of the weld",
         x_label: "across the weld [mm]",

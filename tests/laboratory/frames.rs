@@ -4,7 +4,8 @@
 use effects::{Library, Model, Process};
 use glam::DVec2;
 use lab::{FrameCause, FrameEstimate, ScanEvidence, aligned, calibrate_scans};
-use trials::trial::{LogRow, Trial};
+use robot::LogRow;
+use trials::trial::Trial;
 use virtual_lab::{Choice, Experiment, FrontEnd, Plan, Size};
 
 /// Makes three small trials without hidden effects, with a front end.

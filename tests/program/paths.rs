@@ -1,11 +1,12 @@
 //! Planned paths: the output is a log of the trial format that lies on the part.
 
+use robot::LogRow;
 use std::path::Path;
 
 use glam::DVec3;
 use robofin::asset::{AssetFields, Welds};
 use serde_json::Value;
-use trials::trial::{HeldTool, LogRow, ToolPath, read_log};
+use trials::trial::{HeldTool, ToolPath, read_log};
 
 use crate::program::{asset, names, robofin, run};
 

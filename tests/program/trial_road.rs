@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use effects::Process;
 use glam::{DVec2, DVec3};
-use robot::Controller;
+use robot::{Controller, LogRow};
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
 use trials::trial::{
-    ForceInput, FrameErrors, FrameOffset, HeldTool, Log, LogRow, Pass, PassScan, RPM, Role, Scans, Trial, write_trial,
+    ForceInput, FrameErrors, FrameOffset, HeldTool, Log, Pass, PassScan, RPM, Role, Scans, Trial, write_trial,
 };
 
 use crate::program::{asset, files, names, robofin, run};

@@ -8,3 +8,4 @@ mod hostile;
 mod reach;
 mod reading;
 mod synthetic;
+mod unrelated;

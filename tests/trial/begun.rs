@@ -34,7 +34,7 @@ fn write_map(place: PathBuf, map: &HeightMap) {
 /// Writes a log in the style of a German controller: metres, decimal commas, a negative force, no spindle.
 fn write_log(place: PathBuf, log: &Log) {
     let number = |value: f64| format!("{value:.6}").replace('.', ",");
-    let row = |row: &trials::trial::LogRow| {
+    let row = |row: &robot::LogRow| {
         let [x, y, z] = row.position.to_array();
         [row.time, x, y, z, -row.force].map(number).join(";")
     };

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use effects::Process;
 use glam::{DVec2, DVec3};
-use robot::Controller;
+use robot::{Controller, LogRow};
 use sdf_bake::{HeightMap, PixelGrid};
 use tempfile::TempDir;
 use trials::trial::{
-    Covariate, ExposureMask, ForceInput, FrameErrors, FrameOffset, HeldTool, LabelMap, Log, LogRow, Pass, PassScan,
-    RPM, Role, Scans, Trial, TrialError, write_trial,
+    Covariate, ExposureMask, ForceInput, FrameErrors, FrameOffset, HeldTool, LabelMap, Log, Pass, PassScan, RPM, Role,
+    Scans, Trial, TrialError, write_trial,
 };
 
 const RADIUS: f64 = 0.05;

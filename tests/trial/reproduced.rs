@@ -35,7 +35,7 @@ fn simulated(name: &str, first: usize, model: &str) -> Option<(Vec<Trial>, Vec<V
 fn residuals(trial: &Trial, passes: &[SimulatedPass]) -> Vec<f64> {
     let (before, repeat) = (despiked(&trial.scans.before).0, despiked(&trial.scans.repeats[0]).0);
     let noise = 2f64.sqrt() * noise_floor(&before, &repeat).unwrap().rms;
-    (0..passes.len()).map(|pass| residual(trial, passes, pass).unwrap() / noise).collect()
+    (0..passes.len()).map(|pass| residual(trial, &passes[pass], pass).unwrap() / noise).collect()
 }
 
 /// Greatest relative difference between the volumes of two laboratories' simulations; the time steps of each cause some

@@ -2,8 +2,9 @@
 
 use effects::Process;
 use glam::DVec2;
+use robot::LogRow;
 use sdf_bake::PixelGrid;
-use trials::trial::{Campaign, LogRow, Trial};
+use trials::trial::{Campaign, Trial};
 use virtual_lab::write::write;
 use virtual_lab::{FrontEnd, Hidden, Made};
 

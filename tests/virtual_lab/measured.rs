@@ -108,7 +108,7 @@ fn the_true_model_reproduces_a_sanded_panel() {
 fn a_log_tells_what_the_robot_believed() {
     let hidden = [Hidden::effect("force-bias").with("bias", "3 N"), Hidden::effect("spindle-droop")];
     let made = experiment(Process::Grinding, &hidden).make().unwrap();
-    let mean = |made: &Made, value: fn(&trials::trial::LogRow) -> f64| {
+    let mean = |made: &Made, value: fn(&robot::LogRow) -> f64| {
         let pass = &made.trials[0].passes[0];
         let contact = pass.tool_path(&made.trials[0].tool).contact.unwrap();
         let rows = pass.log.rows.iter().filter(|row| row.time > contact.start + 0.5 && row.time < contact.end - 0.1);

@@ -13,4 +13,4 @@ mod simulation;
 pub use campaign::{CampaignError, CampaignSimulation, Stop};
 pub use pass_plan::{PassPlan, without_scans};
 pub use scanner::{SeenSurface, exposed_share};
-pub use simulation::{ModelRun, PassEnds, SimulatedPass, Simulation, SimulationError, TrialState, Variation, lacking};
+pub use simulation::{ModelRun, PassEnds, RunState, SimulatedPass, Simulation, SimulationError, Variation, lacking};

@@ -1,11 +1,12 @@
 //! Planned passes: an executed pass with other settings or on another path.
 
+use robot::LogRow;
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 use sdf_bake::HeightMap;
 
-use trials::trial::{HeldTool, Log, LogRow, Pass, Role, ToolPath, Trial, least_gap};
+use trials::trial::{HeldTool, Log, Pass, Role, ToolPath, Trial, least_gap};
 
 /// A pass of a plan.
 #[derive(Clone, Debug, PartialEq)]

@@ -146,9 +146,9 @@ pub struct SimulatedPass {
     pub covariates: Option<Covariates>,
 }
 
-/// A workpiece and its tool between two passes of a trial.
+/// A workpiece and its tool between two passes.
 #[derive(Clone, Debug)]
-pub struct TrialState {
+pub struct RunState {
     /// The workpiece.
     pub part: BrickGrid,
     /// States of the tool.
@@ -157,7 +157,7 @@ pub struct TrialState {
     pub passes: usize,
     /// Time since the first pass began [s].
     pub trial_time: f64,
-    /// Number of passes of the campaign before this trial's first: the row of its per-pass parameters.
+    /// Number of passes of the campaign before the first one here: the row of their per-pass parameters.
     pub first_row: usize,
 }
 
@@ -252,13 +252,13 @@ impl<'a> Simulation<'a> {
     /// State of the trial before its first pass. The tool keeps its states from the previous trial unless this one
     /// begins with a fresh tool.
     ///
-    /// - `first_row`: see [`TrialState::first_row`]
-    pub fn start(&self, model: &CompiledModel, mut tool: States, first_row: usize) -> TrialState {
+    /// - `first_row`: see [`RunState::first_row`]
+    pub fn start(&self, model: &CompiledModel, mut tool: States, first_row: usize) -> RunState {
         if self.trial.fresh {
             tool.reset(model, Reset::FreshTool);
         }
         tool.reset(model, Reset::Trial);
-        TrialState { part: self.part.clone(), tool, passes: 0, trial_time: 0.0, first_row }
+        RunState { part: self.part.clone(), tool, passes: 0, trial_time: 0.0, first_row }
     }
 
     /// Simulates all passes with a tool in the given `states`. Returns the passes and the part after them.
@@ -303,7 +303,7 @@ impl<'a> Simulation<'a> {
     pub fn run_pass(
         &self,
         model: &CompiledModel,
-        state: &mut TrialState,
+        state: &mut RunState,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<SimulatedPass, SimulationError> {
         let pixels = &self.trial.scans.before.pixels;
@@ -320,7 +320,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The next pass from a state.
-    fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &TrialState) -> sim::Pass<'p> {
+    fn next_pass<'p>(&'p self, model: &'p CompiledModel, state: &RunState) -> sim::Pass<'p> {
         let Planned { path, settings, measured, force, approach, rest } = &self.passes[state.passes];
         sim::Pass {
             number: state.passes + 1,
@@ -341,7 +341,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Counts a completed pass.
-    fn count(&self, state: &mut TrialState) {
+    fn count(&self, state: &mut RunState) {
         let Planned { path, rest, .. } = &self.passes[state.passes];
         state.trial_time += rest + path.duration();
         state.passes += 1;
@@ -362,7 +362,7 @@ impl<'a> Simulation<'a> {
     pub fn scanned(
         &self,
         model: &CompiledModel,
-        state: &TrialState,
+        state: &RunState,
         record: PassRecord,
     ) -> Result<SimulatedPass, SimulationError> {
         let like = &self.trial.passes[state.passes - 1].scan;

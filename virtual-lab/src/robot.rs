@@ -8,8 +8,8 @@ use super::frame::Frame;
 use super::motion::Route;
 use super::ripple::Ripple;
 use random::Stream;
-use robot::{Controller, Tool};
-use trials::trial::{Log, LogRow, RPM};
+use robot::{Controller, LogRow, Tool};
+use trials::trial::{Log, RPM};
 
 /// Time between two rows [s]: 100 Hz.
 const PERIOD: f64 = 0.01;
@@ -121,7 +121,7 @@ pub(super) struct PassRun<'a> {
 
 impl PassRun<'_> {
     /// The two logged values around a time, and the interpolation weight of the second.
-    fn around(&self, time: f64) -> (&sim::LogRow, &sim::LogRow, f64) {
+    fn around(&self, time: f64) -> (&robot::LogRow, &robot::LogRow, f64) {
         // The record ends with a row in the air, which a robot would not have at this time.
         let end = self.record.log.iter().rposition(|row| row.force > 0.0).map_or(0, |last| last + 1);
         let log = &self.record.log[..end.max(2)];

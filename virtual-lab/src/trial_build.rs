@@ -323,7 +323,7 @@ impl<'a> TrialBuild<'a> {
         let seeking = sim::PassSettings { controller: Controller::Replay, ..settings };
         let trying = sim::Pass { settings: &seeking, approach: descent.duration(), ..base };
         let sought = run_pass(&mut self.part.clone(), trying, &mut states.clone(), &mut |_| {}).map_err(failed)?;
-        let meets = |row: &&sim::LogRow| row.force > TOUCH * settings.force_setpoint && row.time > 0.0;
+        let meets = |row: &&robot::LogRow| row.force > TOUCH * settings.force_setpoint && row.time > 0.0;
         let touch = sought.log.iter().find(meets).map(|row| row.time);
         let touch = touch.ok_or_else(|| ExperimentError::NoTouch { trial: trial(), pass: number })?;
         let levels = [levels[0], levels[0] - speed * touch];

@@ -1,6 +1,7 @@
 //! Conversion of a trial's results from the device's form to the CPU's.
 
 use glam::IVec3;
+use robot::LogRow;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE};
@@ -9,7 +10,7 @@ use shaders::simulate::TrialResults;
 
 use super::setup::time_of;
 use crate::contact::Contact;
-use crate::record::{DEVICE_CLOCK, LogRow, PassRecord, Removal};
+use crate::record::{DEVICE_CLOCK, PassRecord, Removal};
 use crate::settings::Pass;
 use crate::tool_cells;
 use effects::{CompiledModel, DeviceModel, States};

@@ -5,11 +5,11 @@ use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
 use crate::control::{Balance, Motion, admittance_sample, end_weight};
 use crate::physics::Physics;
 use crate::pose::Pose;
-use crate::record::LogRow;
 use crate::scheme::EndForce;
 use crate::settings::{LONGEST_STEP, Pass, TOUCH};
 use effects::{PoseChange, RunError};
 use robot::Controller;
+use robot::LogRow;
 
 /// Times closer than this are equal [s]; avoids a sliver step from rounding, which would shorten all later ones.
 const CLOCK: f64 = 1e-9;

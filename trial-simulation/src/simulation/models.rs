@@ -3,7 +3,7 @@
 use effects::CompiledModel;
 use rayon::prelude::*;
 
-use super::{SimulatedPass, Simulation, SimulationError, TrialState, columns};
+use super::{RunState, SimulatedPass, Simulation, SimulationError, columns};
 
 /// Result of a trial under one model.
 #[derive(Debug, Default)]
@@ -46,7 +46,7 @@ impl Simulation<'_> {
 
     /// The trial under many models on a device, pass by pass.
     fn run_on(&self, device: &shaders::Device, models: &[CompiledModel]) -> Vec<ModelRun> {
-        let mut states: Vec<TrialState> =
+        let mut states: Vec<RunState> =
             models.iter().map(|model| self.start(model, Self::fresh_states(model), 0)).collect();
         let mut runs: Vec<ModelRun> = models.iter().map(|_| ModelRun::default()).collect();
         for (run, model) in runs.iter_mut().zip(models) {
@@ -73,7 +73,7 @@ impl Simulation<'_> {
         device: &shaders::Device,
         pass: usize,
         alive: &[usize],
-        (models, states): (&[CompiledModel], &[TrialState]),
+        (models, states): (&[CompiledModel], &[RunState]),
     ) -> Vec<Result<sim::gpu::Outcome, sim::gpu::GpuError>> {
         let trial = |&n: &usize| {
             // Before the first pass all runs have the same part, which the device then stores once.
@@ -88,7 +88,7 @@ impl Simulation<'_> {
     fn after(
         &self,
         model: &CompiledModel,
-        (state, pass): (&mut TrialState, usize),
+        (state, pass): (&mut RunState, usize),
         outcome: Result<sim::gpu::Outcome, sim::gpu::GpuError>,
     ) -> Result<SimulatedPass, SimulationError> {
         let failed = |error: sim::gpu::GpuError| SimulationError::Pass { pass, error: error.into() };

@@ -1,8 +1,9 @@
 //! Offset of a trial's logs from the frame of its scans and the clock of its forces.
 
 use glam::{DQuat, DVec2, DVec3};
+use robot::LogRow;
 
-use super::log::{Log, LogRow};
+use super::log::Log;
 use super::{HeldTool, Pass, Trial};
 
 /// Transform of logged poses from the robot's frame and clock to those of scans and forces.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use instruments::text_table::{TextRow, TextTable};
+use robot::LogRow;
 use serde::Serialize;
 
 use super::error::{Place, TrialError};
@@ -21,21 +22,6 @@ const KNOWN_COLUMNS: [&str; 10] =
     ["t_s", "x_mm", "y_mm", "z_mm", "force_n", "spindle_rpm", "nx", "ny", "nz", TEMPERATURE_COLUMN];
 /// Radians per second in one revolution per minute.
 pub const RPM: f64 = std::f64::consts::TAU / 60.0;
-
-/// One row of a log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LogRow {
-    /// Time of the controller's clock [s].
-    pub time: f64,
-    /// Centre of a wheel or of a pad's face [m].
-    pub position: DVec3,
-    /// Normal force reported by the sensor [N].
-    pub force: f64,
-    /// Spindle speed reported by the drive [rad/s].
-    pub spindle_speed: f64,
-    /// Approach axis, unit, out of the part.
-    pub approach: DVec3,
-}
 
 /// A column unknown to the format, kept as a covariate.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,5 +1,6 @@
 //! Conversion of any file of channels to a [`Log`], with the column names of `[log.columns]` in `trial.toml`.
 
+use robot::LogRow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -9,7 +10,7 @@ use glam::DVec3;
 use instruments::log::Channels;
 
 use super::error::{Place, TrialError};
-use super::log::{Covariate, Log, LogRow};
+use super::log::{Covariate, Log};
 use super::manifest::{ChannelEntry, LogTable, Source, nearest};
 use super::scan::Read;
 use crate::column_unit::ColumnUnit;

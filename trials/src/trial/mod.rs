@@ -35,7 +35,7 @@ pub use columns::{QuantitySource, TrialColumn};
 pub use error::{Place, TrialError};
 pub use finding::{Checked, Finding, Severity};
 pub use frame_offset::{FrameErrors, FrameOffset};
-pub use log::{APPROACH_COLUMNS, Covariate, Log, LogRow, REQUIRED_COLUMNS, RPM, read_log};
+pub use log::{APPROACH_COLUMNS, Covariate, Log, REQUIRED_COLUMNS, RPM, read_log};
 pub use manifest::{Role, TRIAL_FILE, TRIAL_FORMAT};
 pub(crate) use manifest::{Source, nearest};
 pub use pass_scan::PassScan;

@@ -40,10 +40,10 @@ pub fn write_plan(trial: &Trial, remarks: &[String], folder: &Path) -> Result<()
 mod tests {
     use super::super::{ForceInput, Pass, PassScan, Scans, log_csv, write_trial};
     use super::*;
-    use crate::trial::{FrameErrors, FrameOffset, HeldTool, Log, LogRow, Role};
+    use crate::trial::{FrameErrors, FrameOffset, HeldTool, Log, Role};
     use effects::Process;
     use glam::{DVec2, DVec3};
-    use robot::Controller;
+    use robot::{Controller, LogRow};
     use sdf_bake::{HeightMap, PixelGrid};
 
     /// A wheel that descends on a plate of 40 by 20 mm, moves 20 mm and rises.

@@ -1,8 +1,9 @@
 //! A log as the path of the tool: poses over time, contact, feed.
 
 use glam::DVec3;
+use robot::LogRow;
 
-use super::log::{Log, LogRow};
+use super::log::Log;
 use super::{HeldTool, Pass};
 use crate::measure::{MAD_TO_SIGMA, median};
 

@@ -2,10 +2,11 @@
 //! disconnected sensors.
 
 use glam::DVec2;
+use robot::LogRow;
 use sdf_bake::HeightMap;
 
 use super::super::error::{Place, TrialError};
-use super::super::log::{Log, LogRow};
+use super::super::log::Log;
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::ToolPose;
 use super::super::{HeldTool, Pass, Trial};
