@@ -56,8 +56,8 @@ impl OpenedSeal {
     ///
     /// # Errors
     /// If the key does not open the seal, or the study has no verdict yet.
-    pub fn open(folder: &Path, key: &Path, course: &StudyState) -> Result<Self, SealError> {
-        let verdict = course.record.verdict.ok_or(SealError::Unfinished)?;
+    pub fn open(folder: &Path, key: &Path, study: &StudyState) -> Result<Self, SealError> {
+        let verdict = study.record.verdict.ok_or(SealError::Unfinished)?;
         let unsealed = unseal(folder, key)?;
         let seal: Value = read_json(&folder.join(SEAL_FILE), "a sealed answer")?;
         let sha256 = seal["sha256"].as_str().unwrap_or_default().to_owned();
@@ -65,7 +65,7 @@ impl OpenedSeal {
         let (known, foreign): (Vec<&Value>, Vec<&Value>) =
             effects.iter().partition(|effect| effect["in_library"].as_bool().unwrap_or(false));
         let mut hidden: Vec<String> = known.iter().filter_map(|e| e["name"].as_str()).map(str::to_owned).collect();
-        let mut found = course.record.added.clone();
+        let mut found = study.record.added.clone();
         hidden.sort();
         found.sort();
         let is_right = match (hidden.is_empty(), foreign.is_empty()) {
@@ -78,7 +78,7 @@ impl OpenedSeal {
         Ok(Self {
             sha256,
             hidden_lines: or_else(effects.iter().flat_map(hidden_lines).collect(), "nothing"),
-            found_lines: or_else(found_lines(course), &nothing_found(&course.record)),
+            found_lines: or_else(found_lines(study), &nothing_found(&study.record)),
             hidden,
             hidden_is_foreign: !foreign.is_empty(),
             found,
@@ -106,8 +106,8 @@ fn hidden_lines(effect: &Value) -> Vec<String> {
 }
 
 /// Lists names and fitted parameters of the effects that a study added.
-fn found_lines(course: &StudyState) -> Vec<String> {
-    let parameters = course.parameters();
+fn found_lines(study: &StudyState) -> Vec<String> {
+    let parameters = study.parameters();
     let own = |name: &String| {
         let prefix = format!("{name}.");
         let parameters = parameters.iter().filter(|parameter| parameter.name.starts_with(&prefix));
@@ -119,7 +119,7 @@ fn found_lines(course: &StudyState) -> Vec<String> {
         });
         [name.clone()].into_iter().chain(lines).collect::<Vec<String>>()
     };
-    course.record.added.iter().flat_map(own).collect()
+    study.record.added.iter().flat_map(own).collect()
 }
 
 fn nothing_found(record: &StudyRecord) -> String {

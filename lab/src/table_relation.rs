@@ -25,12 +25,9 @@ pub(super) fn unrelated(table: &Table, rows: &[usize]) -> Option<String> {
     let timed = is_timed(table);
     let amount = |row: &Row| Some((row.removal_rate? * row.duration.unwrap_or(1.0)).ln());
     // Eq. (1) has no speed, Eq. (2) has.
-    let (is_of_speed, factors) = match table.process.signal() {
-        Signal::Height => (false, "load and duration"),
-        Signal::Dose => (true, "load, speed and duration"),
-    };
-    let speed = |row: &Row| row.speed.filter(|_| is_of_speed).unwrap_or(1.0);
-    let work = |row: &Row| row.pressure.or(row.force).unwrap_or(1.0) * speed(row);
+    let speed = |row: &Row| row.speed.filter(|_| table.process.signal() == Signal::Dose);
+    let load = |row: &Row| row.pressure.or(row.force);
+    let work = |row: &Row| load(row).unwrap_or(1.0) * speed(row).unwrap_or(1.0);
     let pair = |row: &Row| match (timed, row.duration) {
         // The time was measured: the removal over the work of one second.
         (true, Some(duration)) => Some((amount(row)? - work(row).ln(), duration.ln())),
@@ -39,11 +36,15 @@ pub(super) fn unrelated(table: &Table, rows: &[usize]) -> Option<String> {
     let (settings, removals): (Vec<f64>, Vec<f64>) =
         rows.iter().map(|&at| pair(&table.rows[at])).collect::<Option<Vec<_>>>()?.into_iter().unzip();
     let Exponent { value, low, high } = exponent(&Declared::new(table, rows).beside_settings(), &settings, &removals)?;
+    let given = |value: &dyn Fn(&Row) -> Option<f64>| table.rows.iter().any(|row| value(row).is_some());
+    let factors = [("load", given(&load)), ("speed", given(&speed)), ("duration", given(&|row| row.duration))];
+    let factors: Vec<&str> = factors.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
     (low <= 0.0 && high < 1.0).then(|| {
         format!(
-            "the removal does not grow with {factors} (it goes as their product to the power {value:.2}, \
+            "the removal does not grow with {} (it goes as this to the power {value:.2}, \
              95 %: {low:.2} to {high:.2}, and 1 is the base law): rows may be out of order, or a column may hold another \
-             quantity; no effect can be named from it"
+             quantity; no effect can be named from it",
+            factors.join(" × ")
         )
     })
 }
