@@ -70,7 +70,8 @@ fn one(made: &Made, plan: Plan, counts: &mut Counts) -> Result<()> {
             ResidualGrid { nx: tiles.grid.shape().0, cells: tiles.cells.clone(), residuals }
         })
         .collect();
-    let tests = structure_tests(&grids, fit.at.len(), &[], made.answer.seed);
+    let repeats = evidence.repeats(Split::Calibration);
+    let tests = structure_tests(&grids, &repeats, fit.at.len(), &[], made.answer.seed);
     let rejects: Vec<&str> = tests.iter().filter(|test| test.rejects).map(|test| test.name.as_str()).collect();
     counts.white.0 += usize::from(rejects.is_empty());
     counts.white.1 += 1;

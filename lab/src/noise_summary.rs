@@ -38,6 +38,18 @@ pub struct NoiseSummary {
     pub is_white: bool,
 }
 
+impl FittedNoise {
+    /// The whitened difference of the two scans, block by block.
+    pub fn grids(&self) -> Vec<ResidualGrid> {
+        let grid = |residuals: &Vec<f64>| ResidualGrid {
+            nx: self.side,
+            cells: (0..residuals.len()).collect(),
+            residuals: residuals.clone(),
+        };
+        self.whitened.iter().map(grid).collect()
+    }
+}
+
 impl NoiseSummary {
     /// Noise of each ground trial.
     pub fn all(evidence: &ScanEvidence) -> Vec<Self> {
@@ -50,13 +62,8 @@ impl NoiseSummary {
     }
 
     fn new((trial, source): (&str, &NoiseSource), fitted: &FittedNoise, level: f64) -> Self {
-        let grid = |residuals: &Vec<f64>| ResidualGrid {
-            nx: fitted.side,
-            cells: (0..residuals.len()).collect(),
-            residuals: residuals.clone(),
-        };
-        let grids: Vec<ResidualGrid> = fitted.whitened.iter().map(grid).collect();
-        let test = (!grids.is_empty()).then(|| neighbours(&grids, SEED));
+        let grids = fitted.grids();
+        let test = (!grids.is_empty()).then(|| neighbours(&grids, &[], SEED));
         let (sum, count) = fitted.whitened.iter().flatten().fold((0.0, 0.0), |(sum, n), r| (sum + r * r, n + 1.0));
         let noise = fitted.noise;
         Self {

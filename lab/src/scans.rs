@@ -16,6 +16,7 @@ use super::pass_trend::{PassTrend, trend_of_scans};
 use super::prepared::Prepared;
 use super::repredicted::Repredicted;
 use super::simulation_errors::SimulationErrors;
+use super::structure::ResidualGrid;
 use super::tile_noise::FittedNoise;
 use super::totals::Totals;
 use super::unlisted::{Basis, Exposures};
@@ -106,6 +107,13 @@ impl<'a> ScanEvidence<'a> {
     /// The scans of a split.
     pub fn of(&self, split: Split) -> impl Iterator<Item = &ScanView> {
         self.views.iter().filter(move |view| view.split == split)
+    }
+
+    /// Whitened differences of the repeated scans from which the noise of a split's scans was estimated.
+    pub fn repeats(&self, split: Split) -> Vec<ResidualGrid> {
+        let of_split = |trial: &usize| self.of(split).any(|view| view.trial == *trial);
+        let fitted = (0..self.tile_noise.len()).filter(of_split).filter_map(|trial| self.tile_noise[trial].as_ref());
+        fitted.flat_map(FittedNoise::grids).collect()
     }
 
     /// Number of passes of each trial that must be simulated to predict a split.

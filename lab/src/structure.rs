@@ -3,10 +3,13 @@
 //! Whitened residuals are independent with variance one where the model is right. The tests are of their sum of
 //! squares, of spatial correlation (Moran 1950), of runs of one sign (Wald and Wolfowitz 1940), and of the correlation
 //! between successive passes. Holm's rule (1979) bounds the probability of any false alarm by 5 %.
+//!
+//! The noise is known only from repeated scans, with an error of its own. So the first three compare the residuals with
+//! the repeated scans' whitened differences, as two samples of one noise.
 
 use rayon::prelude::*;
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 use super::covariance::Whitener;
 use crate::criteria::{RESIDUAL_TEST_DRAWS, RUN_LINE_LEAST, SHARED_TILES_LEAST, SIGNIFICANCE_LEVEL};
@@ -48,18 +51,20 @@ pub struct StructureTest {
 
 /// Runs all tests that the data allow.
 ///
+/// - `repeats`: whitened differences from which the noise was estimated; none if it is known otherwise
 /// - `degrees_of_freedom`: number of parameters that were fitted to these data
 /// - `shared`: tiles shared by the scans of each workpiece with two scans or more
 pub fn structure_tests(
     grids: &[ResidualGrid],
+    repeats: &[ResidualGrid],
     degrees_of_freedom: usize,
     shared: &[SharedTiles],
     seed: u64,
 ) -> Vec<StructureTest> {
-    let mut tests = vec![excess(grids, degrees_of_freedom), neighbours(grids, seed)];
-    tests.extend(runs("runs of one sign along x", grids, true));
-    tests.extend(runs("runs of one sign across x", grids, false));
-    tests.extend(repeats(shared, seed));
+    let mut tests = vec![excess(grids, repeats, degrees_of_freedom), neighbours(grids, repeats, seed)];
+    tests.extend(runs("runs of one sign along x", [grids, repeats], true));
+    tests.extend(runs("runs of one sign across x", [grids, repeats], false));
+    tests.extend(passes_alike(shared, seed));
     holm(&mut tests);
     tests
 }
@@ -80,21 +85,51 @@ fn test(name: &str, statistic: f64, p_value: f64) -> StructureTest {
     StructureTest { name: name.to_owned(), statistic, p_value, rejects: false }
 }
 
-/// Test of the excess of χ²: `(χ² - ν) / √(2 ν)`.
-fn excess(grids: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
+/// Test of the excess of χ²: `(χ² - ν) / √(2 ν)`. The variance that whitening assumes was estimated from m differences,
+/// so that `χ²/ν` has Fisher's F law with ν and m degrees of freedom (Snedecor 1934).
+fn excess(grids: &[ResidualGrid], repeats: &[ResidualGrid], degrees_of_freedom: usize) -> StructureTest {
     let chi2: f64 = grids.iter().flat_map(|grid| &grid.residuals).map(|r| r * r).sum();
-    let count: usize = grids.iter().map(|grid| grid.residuals.len()).sum();
-    let left = count.saturating_sub(degrees_of_freedom).max(1) as f64;
-    let p = ChiSquared::new(left).map_or(1.0, |law| law.sf(chi2));
+    let left = count(grids).saturating_sub(degrees_of_freedom).max(1) as f64;
+    let p = match count(repeats) {
+        0 => ChiSquared::new(left).map_or(1.0, |law| law.sf(chi2)),
+        repeated => FisherSnedecor::new(left, repeated as f64).map_or(1.0, |law| law.sf(chi2 / left)),
+    };
     test("excess of whitened squares", (chi2 - left) / (2.0 * left).sqrt(), p)
 }
 
-/// Moran's I over pairs of neighbours, with a p-value from draws of independent noise.
-pub(super) fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
-    let pairs: Vec<Vec<(usize, usize)>> = grids.iter().map(ResidualGrid::neighbours).collect();
-    let moran = |residuals: &dyn Fn(usize) -> Vec<f64>| {
+/// Number of residuals.
+fn count(grids: &[ResidualGrid]) -> usize {
+    grids.iter().map(|grid| grid.residuals.len()).sum()
+}
+
+/// Moran's I over pairs of neighbours, less that of the repeats, with a p-value from draws of independent noise for
+/// both.
+pub(super) fn neighbours(grids: &[ResidualGrid], repeats: &[ResidualGrid], seed: u64) -> StructureTest {
+    let [grids, repeats] = [grids, repeats].map(Neighbours::of);
+    let found =
+        grids.morans_i(|k| grids.grids[k].residuals.clone()) - repeats.morans_i(|k| repeats.grids[k].residuals.clone());
+    let drawn = |draw: usize| {
+        grids.drawn(seed, &format!("neighbours {draw}")) - repeats.drawn(seed, &format!("repeats {draw}"))
+    };
+    let more = (0..RESIDUAL_TEST_DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
+    test("neighbouring tiles agree", found, (more + 1) as f64 / (RESIDUAL_TEST_DRAWS + 1) as f64)
+}
+
+/// Grids with the pairs of neighbours of each.
+struct Neighbours<'a> {
+    grids: &'a [ResidualGrid],
+    pairs: Vec<Vec<(usize, usize)>>,
+}
+
+impl<'a> Neighbours<'a> {
+    fn of(grids: &'a [ResidualGrid]) -> Self {
+        Self { grids, pairs: grids.iter().map(ResidualGrid::neighbours).collect() }
+    }
+
+    /// Moran's I of given residuals of each grid; 0 without neighbours.
+    fn morans_i(&self, residuals: impl Fn(usize) -> Vec<f64>) -> f64 {
         let (mut products, mut squares, mut count, mut number) = (0.0, 0.0, 0, 0);
-        for (k, pairs) in pairs.iter().enumerate() {
+        for (k, pairs) in self.pairs.iter().enumerate() {
             let residuals = residuals(k);
             products += pairs.iter().map(|&(a, b)| residuals[a] * residuals[b]).sum::<f64>();
             squares += residuals.iter().map(|r| r * r).sum::<f64>();
@@ -102,21 +137,32 @@ pub(super) fn neighbours(grids: &[ResidualGrid], seed: u64) -> StructureTest {
             number += residuals.len();
         }
         if count > 0 && squares > 0.0 { products / count as f64 * number as f64 / squares } else { 0.0 }
-    };
-    let found = moran(&|k| grids[k].residuals.clone());
-    let drawn = |draw: usize| {
-        moran(&|k| {
-            let mut stream = Stream::of(seed, &format!("neighbours {draw} {k}"));
-            grids[k].residuals.iter().map(|_| stream.normal()).collect()
+    }
+
+    /// Moran's I of independent noise.
+    fn drawn(&self, seed: u64, name: &str) -> f64 {
+        self.morans_i(|k| {
+            let mut stream = Stream::of(seed, &format!("{name} {k}"));
+            self.grids[k].residuals.iter().map(|_| stream.normal()).collect()
         })
-    };
-    let more = (0..RESIDUAL_TEST_DRAWS).into_par_iter().filter(|&draw| drawn(draw) >= found).count();
-    test("neighbouring tiles agree", found, (more + 1) as f64 / (RESIDUAL_TEST_DRAWS + 1) as f64)
+    }
 }
 
-/// Test of the number of runs of one sign along lines of tiles, against fewer runs; `None` if no line is long enough.
-fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest> {
-    let (mut excess, mut variance) = (0.0, 0.0);
+/// Test of the number of runs of one sign along lines of tiles, as a share of the expected number, against fewer runs
+/// than the repeats have; `None` if no line is long enough.
+fn runs(name: &str, [grids, repeats]: [&[ResidualGrid]; 2], along: bool) -> Option<StructureTest> {
+    let found = share_of_runs(grids, along)?;
+    let [share, variance] = match share_of_runs(repeats, along) {
+        Some(repeats) => [found[0] - repeats[0], found[1] + repeats[1]],
+        None => found,
+    };
+    let z = share / variance.sqrt();
+    Some(test(name, z, Normal::standard().cdf(z)))
+}
+
+/// Number of runs above the expected one, as a share of that, and the variance of this share for independent residuals.
+fn share_of_runs(grids: &[ResidualGrid], along: bool) -> Option<[f64; 2]> {
+    let (mut excess, mut variance, mut all) = (0.0, 0.0, 0.0);
     for line in grids.iter().flat_map(|grid| grid.lines(along)).filter(|line| line.len() >= RUN_LINE_LEAST) {
         let n = line.len() as f64;
         let above = line.iter().filter(|r| **r > 0.0).count() as f64;
@@ -124,13 +170,13 @@ fn runs(name: &str, grids: &[ResidualGrid], along: bool) -> Option<StructureTest
         let changes = line.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() as f64;
         excess += changes + 1.0 - expected;
         variance += (expected - 1.0) * (expected - 2.0) / (n - 1.0);
+        all += expected;
     }
-    let z = excess / variance.sqrt();
-    (variance > 0.0).then(|| test(name, z, Normal::standard().cdf(z)))
+    (variance > 0.0).then(|| [excess / all, variance / (all * all)])
 }
 
 /// Test of the correlation between the contributions of successive passes to the difference; `None` without such scans.
-fn repeats(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
+fn passes_alike(shared: &[SharedTiles], seed: u64) -> Option<StructureTest> {
     let shared: Vec<&SharedTiles> = shared.iter().filter(|shared| shared.places.len() > 1).collect();
     let usable: Vec<&SharedTiles> =
         shared.into_iter().filter(|shared| shared.places[0].len() >= SHARED_TILES_LEAST).collect();
@@ -210,7 +256,7 @@ mod tests {
     fn runs_are_those_of_the_formula() {
         // + + + - - - : two runs where 4 are expected, variance 3 · 2 / 5.
         let six = ResidualGrid { nx: 6, cells: (0..6).collect(), residuals: vec![1.0, 2.0, 1.0, -1.0, -1.0, -2.0] };
-        let found = runs("runs", &[six], true).unwrap();
+        let found = runs("runs", [&[six], &[]], true).unwrap();
         assert!((found.statistic + 2.0 / 1.2f64.sqrt()).abs() < 1e-12, "{found:?}");
     }
 

@@ -25,7 +25,7 @@ pub fn of_scans(
     let grids: Vec<ResidualGrid> = views.iter().map(grid).collect();
     let trials = 0..evidence.simulation.trials.len();
     let shared: Vec<SharedTiles> = trials.filter_map(|trial| shared_tiles(simulated, &views, trial)).collect();
-    structure_tests(&grids, degrees_of_freedom, &shared, seed)
+    structure_tests(&grids, &evidence.repeats(split), degrees_of_freedom, &shared, seed)
 }
 
 /// Tests whitened residuals of rows.
@@ -39,7 +39,7 @@ pub fn of_rows(
 ) -> Vec<StructureTest> {
     let grid =
         ResidualGrid { nx: residuals.len(), cells: (0..residuals.len()).collect(), residuals: residuals.to_vec() };
-    let mut tests = structure_tests(&[grid], degrees_of_freedom, &[], seed);
+    let mut tests = structure_tests(&[grid], &[], degrees_of_freedom, &[], seed);
     tests.extend(declared);
     holm(&mut tests);
     for test in &mut tests {
