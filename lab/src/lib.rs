@@ -12,7 +12,7 @@
 //! 5. `calibration` fits one effect after the other; the errors form the waterfall.
 //! 6. `structure`, `covariate_share` and `pass_trend` test the residuals.
 //! 7. `screen` simulates every effect at a few sizes (`probe`) and projects out the base parameters (`response`).
-//! 8. `suspect` fits the most promising effects, `pair` two together; `significance` gives the Δχ² that noise reaches.
+//! 8. `suspect` fits the most promising effects, `pair` two together, `leaders` ends the fits of those that predict best; `significance` gives the Δχ² that noise reaches.
 //! 9. `diagnose` runs the search to its `verdict`; `ruled_out` and `detectable` give reasons against the others and
 //!    detectable sizes; `unlisted` finds a formula where no effect fits. The crate `experiments` proposes the
 //!    next experiment.
@@ -50,6 +50,7 @@ mod fit;
 mod frame;
 mod height_view;
 mod held;
+mod leaders;
 mod model_origin;
 mod model_weights;
 mod next_trial;

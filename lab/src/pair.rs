@@ -18,6 +18,7 @@ use super::diagnose::{OnProgress, spread, with_values};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::finding::{Against, Finding};
 use super::fit::{Fit, FitOptions};
+use super::leaders::{Contender, with_leaders_completed};
 use super::model_weights::probabilities;
 use super::probe::Candidate;
 use super::response::{Projector, Response};
@@ -35,6 +36,7 @@ use crate::criteria::{
 const PARTNER_FIT: FitOptions = FitOptions { derivatives: PARTNER_FIT_DERIVATIVES, steps: PARTNER_FIT_STEPS };
 
 /// Two effects fitted together.
+#[derive(Clone)]
 struct Joint {
     /// The effect that is better alone, at the starting values of the joint fit.
     lead: Screened,
@@ -61,6 +63,8 @@ pub(super) fn pair(
     joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     let mut known = BTreeSet::new();
     joints.retain(|joint| known.insert(joint.names()));
+    let mut joints = with_leaders_completed(lattices, &first.base, joints, seed);
+    joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     let Some(least) = joints.first() else { return Ok(None) };
     let (folds, spread) = (CrossValidation::new(evidence, &least.both.fit), spread(&least.both.fit.residuals));
     let predictions: Vec<Prediction> = joints.par_iter().map(|joint| folds.prediction(&joint.both.fit)).collect();
@@ -138,6 +142,22 @@ impl Joint {
         names.sort();
         names
     }
+
+    /// Ends its fit on the data.
+    fn thoroughly(self, lattices: Lattices) -> Self {
+        let both = self.both.mapped(lattices, REFINED_FIT).finished(lattices.usual, REFINED_FIT);
+        Self { both: Suspect { is_completed: true, ..both }, ..self }
+    }
+}
+
+impl Contender for Joint {
+    fn suspect(&self) -> &Suspect {
+        &self.both
+    }
+
+    fn completed(self, lattices: Lattices, _: &Fit) -> Self {
+        self.thoroughly(lattices)
+    }
 }
 
 /// An effect as it was fitted alone.
@@ -174,11 +194,7 @@ fn to_the_end(lattices: Lattices, mut joints: Vec<Joint>, count: usize) -> Vec<J
     let sort = |joints: &mut Vec<Joint>| joints.sort_by(|a, b| a.both.fit.chi2.total_cmp(&b.both.fit.chi2));
     sort(&mut joints);
     let rest = joints.split_off(count.min(joints.len()));
-    let thorough = |joint: Joint| Joint {
-        both: joint.both.mapped(lattices, REFINED_FIT).finished(lattices.usual, REFINED_FIT),
-        ..joint
-    };
-    let mut joints: Vec<Joint> = joints.into_par_iter().map(thorough).collect();
+    let mut joints: Vec<Joint> = joints.into_par_iter().map(|joint| joint.thoroughly(lattices)).collect();
     joints.extend(rest);
     sort(&mut joints);
     joints

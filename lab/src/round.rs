@@ -10,13 +10,14 @@ use super::diagnose::{OnProgress, spread, with_values};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::finding::{Against, Finding};
 use super::fit::Fit;
+use super::leaders::with_leaders_completed;
 use super::model_weights::probabilities;
 use super::probe::Candidate;
 use super::response::{Baseline, Projector};
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
 use super::space_mapping::{Lattices, Surrogate};
-use super::suspect::suspects;
+use super::suspect::{in_order, suspects};
 use super::verdict::{Searched, Standing, least_size};
 use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
 
@@ -94,6 +95,7 @@ impl Round {
         };
         let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
         let fitted = suspects(lattices, &base, &screened, &|name| progress(name, count, count));
+        let fitted = in_order(with_leaders_completed(lattices, &base, fitted, seed));
         let best = fitted.first().map_or(&base, |best| &best.fit);
         let spread = spread(&best.residuals);
         let draws = null_delta_chi2(&projector, &screened, &best.residuals, &evidence.blocks(Split::Calibration), seed);

@@ -7,6 +7,7 @@ use super::coordinates::Coordinate;
 use super::diagnose::spread;
 use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
+use super::leaders::Contender;
 use super::response::{Projector, shifted};
 use super::screen::Screened;
 use super::space_mapping::Lattices;
@@ -30,6 +31,8 @@ pub struct Suspect {
     pub screened: Screened,
     /// Joint fit of base parameters and effect.
     pub fit: Fit,
+    /// True once the fit was continued until its end.
+    pub(super) is_completed: bool,
 }
 
 impl Suspect {
@@ -102,7 +105,7 @@ impl Suspect {
             own.map_or_else(|| base.column(coordinate), |k| screened.slope(k))
         };
         fit.borrow_derivatives(evidence, lent);
-        Ok(Self { screened, fit })
+        Ok(Self { screened, fit, is_completed: false })
     }
 
     /// The same values with the residuals of other data, or on another lattice.
@@ -135,6 +138,23 @@ impl Suspect {
     /// Continues its fit on the data.
     pub(super) fn finished(self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         Self { fit: self.fit.finished(evidence, options), ..self }
+    }
+
+    /// Ends its fit on the data.
+    fn ended(self, evidence: &dyn Evidence) -> Self {
+        Self { is_completed: true, ..self.finished(evidence, LAST_FIT) }
+    }
+}
+
+impl Contender for Suspect {
+    fn suspect(&self) -> &Suspect {
+        self
+    }
+
+    /// If the fit stays poor, it is also restarted at the starting values of the base fit.
+    fn completed(self, lattices: Lattices, base: &Fit) -> Self {
+        let ended = self.mapped(lattices, REFINED_FIT).ended(lattices.usual);
+        if ended.fit.is_poor() { ended.or_from_beginning(lattices.usual, base) } else { ended }
     }
 }
 
@@ -173,8 +193,7 @@ pub(super) fn suspects(
     let mut suspects = to_the_end(lattices, base, suspects);
     suspects.extend(rest);
     suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
-    sort(&mut suspects);
-    suspects
+    in_order(suspects)
 }
 
 /// Fits the most promising effects quickly, and evaluates them on the usual lattice. Best first.
@@ -190,9 +209,7 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], on_progress: &
         on_progress(&screened.candidate.name);
         suspects.into_iter().min_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2))?.evaluated_on(lattices.usual).ok()
     };
-    let mut suspects: Vec<Suspect> = order.par_iter().filter_map(fitted).collect();
-    sort(&mut suspects);
-    suspects
+    in_order(order.par_iter().filter_map(fitted).collect())
 }
 
 /// Continues the fits that may still be the best: those that did not converge, and those on a surrogate that fit about
@@ -210,7 +227,7 @@ fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec
         own >= LAST_FIT_DELTA_CHI2 && (is_underway || is_near)
     };
     suspects.par_iter_mut().filter(|suspect| may_win(suspect)).for_each(|suspect| {
-        *suspect = suspect.clone().finished(lattices.usual, LAST_FIT);
+        *suspect = suspect.clone().ended(lattices.usual);
     });
     if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
         suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(lattices.usual, base)).collect();
@@ -235,6 +252,8 @@ pub(super) fn by_promise<'a>(screened: impl Iterator<Item = &'a Screened>) -> Ve
     order
 }
 
-fn sort(suspects: &mut [Suspect]) {
+/// Suspects by χ², least first.
+pub(super) fn in_order(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
     suspects.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2).then_with(|| a.name().cmp(b.name())));
+    suspects
 }
