@@ -1,7 +1,7 @@
 //! Coverage of the 95 % intervals of the base parameters, and whiteness of the residuals of calibrated models, on fresh
 //! virtual experiments with nothing hidden.
 //!
-//! `cargo run --release -p robofin-benchmark --example coverage -- COUNT [FIRST_SEED] [small|full] [clean|hard]`
+//! `cargo run --release -p robofin-benchmark --example coverage -- COUNT [FIRST_SEED] [small|full] [clean|hard] [grinding|sanding]`
 
 use std::collections::BTreeMap;
 
@@ -29,13 +29,14 @@ fn main() -> Result<()> {
     let (count, first) = (number(0, 10)?, number(1, 1)?);
     let size = if words.iter().any(|word| word == "full") { Size::Full } else { Size::Small };
     let hard = words.iter().any(|word| word == "hard");
+    let process = if words.iter().any(|word| word == "sanding") { Process::Sanding } else { Process::Grinding };
     let mut counts = Counts::default();
     println!(
         "| seed | plan | χ²/ν | tests that reject | parameters: truth, value, 95 % interval |\n|---|---|---|---|---|"
     );
     for seed in first..first + count {
         let plan = [Plan::Varied, Plan::Steps, Plan::Reversed, Plan::Paper][(seed % 4) as usize];
-        match made((seed, plan, size), hard) {
+        match made((seed, plan, size), (process, hard)) {
             Ok(made) => one(&made, plan, &mut counts)?,
             Err(why) => println!("| {seed} | {plan:?} | not made: {why} | | |"),
         }
@@ -48,10 +49,10 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn made((seed, plan, size): (u64, Plan, Size), hard: bool) -> Result<Made> {
+fn made((seed, plan, size): (u64, Plan, Size), (process, hard): (Process, bool)) -> Result<Made> {
     let (instrument, robot) =
         if hard { (Instrument::hard(), Robot::hard()) } else { (Instrument::clean(), Robot::clean()) };
-    let new = Experiment::new(Process::Grinding, Library::builtin(), seed)?;
+    let new = Experiment::new(process, Library::builtin(), seed)?;
     let choice = Choice::These(Vec::new());
     Ok(Experiment { plan, trials: plan.usual_trials(), size, choice, instrument, robot, ..new }.make()?)
 }

@@ -335,11 +335,6 @@ criteria! {
     HELD_OUT_REMOVAL: f64 = 0.02, "1", "chosen: errors of the parameters add to those of the simulation";
     /// Threshold of the held-out data's unexplained residual, relative to the noise; the larger one applies.
     HELD_OUT_NOISE: f64 = 1.5, "1", "chosen: errors of the parameters add to those of the simulation";
-    /// Maximum increase in quadrature of the held-out residual by an admissible effect, relative to the removal.
-    HELD_OUT_RISE_REMOVAL: f64 = 0.005, "1",
-        "measured: another laboratory's simulation differs by about 0.5 % of the depth (docs/diagnosis.md, Limits)";
-    /// Maximum increase in quadrature of the held-out residual, relative to the noise; the larger one applies.
-    HELD_OUT_RISE_NOISE: f64 = 0.6, "1", "chosen";
     /// Maximum share of the calibration data's unexplained mean square that an adequate fit leaves.
     LEFT_CALIBRATION_SHARE: f64 = 0.25, "1", "chosen";
     /// Maximum share of the held-out data's unexplained mean square that an adequate fit leaves.

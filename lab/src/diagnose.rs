@@ -12,10 +12,11 @@ use super::finding::Finding;
 use super::fit::Fit;
 use super::frame::FrameEstimate;
 use super::pair::pair;
+use super::reserve::Reserve;
 use super::response::{Baseline, Projector};
 use super::round::Round;
 use super::space_mapping::Surrogate;
-use super::verdict::{SearchEnd, Searched, Verdict, misses};
+use super::verdict::{SearchEnd, Searched, Verdict, carries_over, misses};
 use crate::criteria::{MOST_EFFECTS, NAMED_PROBABILITY, SPREAD_CUT_SIGMAS};
 use trials::measure::{MAD_TO_SIGMA, median};
 
@@ -115,11 +116,30 @@ impl Search {
         Self { model: with_values(&grown, &fit), rounds, fit, end }
     }
 
+    /// Takes back effects, the last first, that raise the error of the held-out data; both of a pair.
+    fn take_back_what_predicts_worse(&mut self) {
+        while let Some(last) = self.rounds.iter().rposition(|round| round.nameable().is_some()) {
+            let first = if last > 0 && self.rounds[last - 1].is_half { last - 1 } else { last };
+            if carries_over(&self.rounds[first].evaluation, &self.rounds[last].findings[0].evaluation) {
+                break;
+            }
+            for round in &mut self.rounds[first..=last] {
+                let finding = &mut round.findings[0];
+                (finding.is_admissible, finding.reserve) = (false, Some(Reserve::PredictsWorse));
+                self.model.effects.retain(|part| part.name != finding.suspect.name());
+            }
+            self.fit = self.rounds[first].base.clone();
+            self.model = with_values(&self.model, &self.fit);
+            self.end = SearchEnd::Refused;
+        }
+    }
+
     /// Opens the held-out data for the models that the search has chosen, and returns the verdict.
     fn judged(&mut self, evidence: &dyn Evidence, detectable: &[Detectable]) -> Result<Verdict, EvidenceError> {
         for round in &mut self.rounds {
             round.open_held_out(evidence)?;
         }
+        self.take_back_what_predicts_worse();
         let found: Vec<(Searched, f64)> = self
             .rounds
             .iter()

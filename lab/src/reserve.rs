@@ -13,6 +13,8 @@ pub enum Reserve {
     ValuePerPass,
     /// The data do not determine its size, or its interval contains the null.
     Undetermined,
+    /// It raises the error of the held-out passes.
+    PredictsWorse,
 }
 
 impl Reserve {
@@ -40,6 +42,7 @@ impl Reserve {
                 "it has a value for each pass, so that it describes what happened and does not explain it"
             }
             Self::Undetermined => "these data do not determine its size, or are compatible with its absence",
+            Self::PredictsWorse => "it fits the calibration passes, but raises the error of the held-out passes",
         }
     }
 }

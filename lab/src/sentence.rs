@@ -3,6 +3,7 @@
 use super::diagnose::Diagnosis;
 use super::evidence::ErrorUnit;
 use super::finding::Finding;
+use super::reserve::Reserve;
 use super::summary::{EffectSummary, parameter_summary, significant};
 use super::verdict::Verdict;
 use crate::criteria::NEAREST_SHARE;
@@ -40,10 +41,14 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
         ),
         Verdict::Partly => format!("The model lacks {}, and more that was not found.", names.join(" and ")),
         Verdict::Unknown => {
-            format!("Something is missing that no effect of the library describes.{}", nearest(diagnosis))
+            let beside = predicts_worse(diagnosis).unwrap_or_else(|| nearest(diagnosis));
+            format!("Something is missing that no effect of the library describes.{beside}")
         }
         Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
-        Verdict::NothingMissing => "Nothing is missing that these data could show.".to_owned(),
+        Verdict::NothingMissing => {
+            let beside = predicts_worse(diagnosis).unwrap_or_default();
+            format!("Nothing is missing that these data could show.{beside}")
+        }
         Verdict::NotTestable if let Some(why) = &diagnosis.unrelated => format!("Nothing can be said: {why}."),
         Verdict::NotTestable if diagnosis.misses_held_out() => {
             "The calibration passes show nothing missing, but the model misses the held-out passes: calibrate it with \
@@ -58,6 +63,13 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
 fn with_values(effect: &EffectSummary) -> String {
     let values: Vec<String> = effect.parameters.values().map(|parameter| parameter.shown()).collect();
     format!("{}: {}", effect.name, values.join("; "))
+}
+
+/// Phrase on an effect that was taken back because of the held-out passes.
+fn predicts_worse(diagnosis: &Diagnosis) -> Option<String> {
+    let best = diagnosis.rounds.first()?.findings.first()?;
+    let reserve = best.reserve.filter(|reserve| *reserve == Reserve::PredictsWorse)?;
+    Some(format!(" The most probable effect is {}: {}.", best.suspect.name(), reserve.words()))
 }
 
 /// Phrase on the effect that comes nearest, if it explains a good part of the misfit.

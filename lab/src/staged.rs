@@ -81,15 +81,38 @@ pub(super) fn fit_rate(
     Ok((estimate, model, totals))
 }
 
-/// Mean log ratio of measured to predicted totals, weighted by inverse variance.
+/// Mean log ratio of measured to predicted totals, weighted by inverse variance. A scan without a measured total has no
+/// weight; where no scan has one, nothing is short.
 fn shortfall(totals: &[Total]) -> f64 {
     let one = |total: &Total| {
         let ratio = (total.measured / total.predicted).ln();
         weight(total) * ratio.clamp(-LONGEST_STEP, LONGEST_STEP)
     };
-    totals.iter().map(one).sum::<f64>() / totals.iter().map(weight).sum::<f64>()
+    let weighed: Vec<&Total> = totals.iter().filter(|total| weight(total) > 0.0).collect();
+    let sum: f64 = weighed.iter().map(|total| one(total)).sum();
+    sum / weighed.iter().map(|total| weight(total)).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 fn weight(total: &Total) -> f64 {
     (total.measured / total.sigma).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn total([measured, predicted]: [f64; 2]) -> Total {
+        Total { about: String::new(), measured, predicted, sigma: 1.0 }
+    }
+
+    #[test]
+    fn a_scan_that_shows_no_removal_says_nothing_on_the_rate() {
+        let of = |totals: &[[f64; 2]]| shortfall(&totals.iter().copied().map(total).collect::<Vec<_>>());
+        assert!((of(&[[20.0, 10.0], [40.0, 20.0]]) - 2f64.ln()).abs() < 1e-12);
+        for silent in [[0.0, 0.0], [0.0, 5.0]] {
+            assert!((of(&[[20.0, 10.0], silent]) - 2f64.ln()).abs() < 1e-12, "{silent:?}");
+            assert_eq!(of(&[silent]), 0.0);
+        }
+        assert_eq!(of(&[[20.0, 0.0]]), LONGEST_STEP, "nothing is predicted yet");
+    }
 }

@@ -9,6 +9,7 @@ use super::maps::Seen;
 use super::measurements::Data;
 use super::provenance::provenance;
 use super::report_from_diagnosis::{compared, waterfall};
+use super::waterfall::of_measured;
 use crate::{Compared, Conclusion, PassVolume, StudyReport, Waterfall};
 use lab::{BASE_STEP, Calibration, CalibrationSummary, Simulated, Verdict, WaterfallStep};
 
@@ -133,13 +134,13 @@ fn add_volumes(report: &mut StudyReport, is_last_shown: bool) {
     let (falls, volumes) = (&mut report.waterfall, &report.volumes);
     falls.passes = volumes.iter().map(|volume| volume.pass.clone()).collect();
     let share = |volume: &PassVolume, simulated: f64| {
-        ((simulated - volume.measured) / volume.measured, volume.uncertainty / volume.measured.abs())
+        of_measured(volume.measured, [simulated - volume.measured, volume.uncertainty])
     };
     let last = falls.steps.len().saturating_sub(2);
     let Some(base) = falls.steps.iter().position(|step| step.name == BASE_STEP) else { return };
-    falls.steps[base].volume_errors = volumes.iter().map(|volume| Some(share(volume, volume.base))).collect();
+    falls.steps[base].volume_errors = volumes.iter().map(|volume| share(volume, volume.base)).collect();
     if last > base && is_last_shown {
-        let with_effect = |volume: &PassVolume| Some(share(volume, volume.with_effect?));
+        let with_effect = |volume: &PassVolume| share(volume, volume.with_effect?);
         falls.steps[last].volume_errors = volumes.iter().map(with_effect).collect();
     }
 }

@@ -62,8 +62,11 @@ impl CalibrationAnswer {
         let error = |step: &WaterfallStep| ("error", step.shown(summary.error_unit));
         let removed = |removal: &RemovalError| {
             let role = if removal.is_calibration { "" } else { ", held out" };
-            let error = removal.error_percent.last().copied().unwrap_or(f64::NAN);
-            ("removed", format!("{}{role}: {error:+.2} % ± {:.2} %", removal.about, removal.sigma_percent))
+            let error = removal.error_percent.last().copied().filter(|error| error.is_finite());
+            let shown = error.map_or("nothing measured".to_owned(), |error| {
+                format!("{error:+.2} % ± {:.2} %", removal.sigma_percent)
+            });
+            ("removed", format!("{}{role}: {shown}", removal.about))
         };
         let mut lines: Vec<(&'static str, String)> = summary.waterfall.iter().map(error).collect();
         lines.push(("floor", summary.error_unit.shown(summary.noise_floor)));

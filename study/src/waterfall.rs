@@ -109,7 +109,7 @@ impl<'a> Scans<'a> {
         };
         let volume = |view: &'a ScanView| {
             let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, pose))?;
-            Some(((volume.simulated - volume.measured) / volume.measured, volume.uncertainty / volume.measured.abs()))
+            of_measured(volume.measured, [volume.simulated - volume.measured, volume.uncertainty])
         };
         let slope = |view: &'a ScanView| {
             let [measured, simulated] = self.plateau(view, simulated, pose)?.slopes;
@@ -137,7 +137,7 @@ impl<'a> Scans<'a> {
         let misfit = |view: &'a ScanView| Some(self.agreement(view, simulated).floor);
         let volume = |view: &'a ScanView| {
             let volume = pass_volume(self.evidence, view, &|view| self.ground(view, simulated, Pose::Held))?;
-            Some((0.0, volume.uncertainty / volume.measured.abs()))
+            of_measured(volume.measured, [0.0, volume.uncertainty])
         };
         let slope = |view: &'a ScanView| Some(self.plateau(view, simulated, Pose::Held)?.slope_uncertainty);
         WaterfallStep {
@@ -166,4 +166,9 @@ impl<'a> Scans<'a> {
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
     (count > 0.0).then(|| f64::sqrt(sum / count))
+}
+
+/// An error of a volume and its uncertainty as shares of the measured volume; `None` where none was removed.
+pub(crate) fn of_measured(measured: f64, [error, uncertainty]: [f64; 2]) -> Option<(f64, f64)> {
+    (measured != 0.0).then(|| (error / measured.abs(), uncertainty / measured.abs()))
 }

@@ -165,8 +165,6 @@ const AGREED: &[(&str, f64)] = &[
     ("UNEXPLAINED_NOISE", 0.6),
     ("HELD_OUT_REMOVAL", 0.02),
     ("HELD_OUT_NOISE", 1.5),
-    ("HELD_OUT_RISE_REMOVAL", 0.005),
-    ("HELD_OUT_RISE_NOISE", 0.6),
     ("LEFT_CALIBRATION_SHARE", 0.25),
     ("LEFT_HELD_OUT_SHARE", 0.5),
     ("ADEQUATE_REMOVAL", 0.03),
