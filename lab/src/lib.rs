@@ -5,7 +5,7 @@
 //! 1. The crate `trial-simulation` simulates trials as they were logged and as the instrument sees them; `scans` and
 //!    `evidence` compare the result with the measurements.
 //! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data (`observation` is their interface); `tiles` cuts scans up.
-//! 3. `covariance` whitens residuals: noise (`tile_noise`), each scan's free pose, and the simulation's lattice error
+//! 3. `covariance` whitens residuals: noise (`tile_noise`, `noise_fit`), each scan's free pose, and the simulation's lattice error
 //!    (`simulation_errors`); `blur` fits the instrument.
 //! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from the starting values of `begin`; `uncertainty`
 //!    gives their intervals; `staged` fits the rate first.
@@ -54,6 +54,7 @@ mod leaders;
 mod model_origin;
 mod model_weights;
 mod next_trial;
+mod noise_fit;
 mod noise_summary;
 mod nuisances;
 mod observation;

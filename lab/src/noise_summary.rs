@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::scans::ScanEvidence;
-use super::structure::{ResidualGrid, neighbours};
+use super::structure::neighbours;
 use super::tile_noise::{FittedNoise, Kernel};
 use crate::criteria::SIGNIFICANCE_LEVEL;
 use trial_simulation::Simulation;
@@ -38,18 +38,6 @@ pub struct NoiseSummary {
     pub is_white: bool,
 }
 
-impl FittedNoise {
-    /// The whitened difference of the two scans, block by block.
-    pub fn grids(&self) -> Vec<ResidualGrid> {
-        let grid = |residuals: &Vec<f64>| ResidualGrid {
-            nx: self.side,
-            cells: (0..residuals.len()).collect(),
-            residuals: residuals.clone(),
-        };
-        self.whitened.iter().map(grid).collect()
-    }
-}
-
 impl NoiseSummary {
     /// Noise of each ground trial.
     pub fn all(evidence: &ScanEvidence) -> Vec<Self> {
@@ -62,9 +50,10 @@ impl NoiseSummary {
     }
 
     fn new((trial, source): (&str, &NoiseSource), fitted: &FittedNoise, level: f64) -> Self {
-        let grids = fitted.grids();
-        let test = (!grids.is_empty()).then(|| neighbours(&grids, &[], SEED));
-        let (sum, count) = fitted.whitened.iter().flatten().fold((0.0, 0.0), |(sum, n), r| (sum + r * r, n + 1.0));
+        let grids = &fitted.whitened;
+        let test = (!grids.is_empty()).then(|| neighbours(grids, &[], SEED));
+        let residuals = grids.iter().flat_map(|grid| &grid.residuals);
+        let (sum, count) = residuals.fold((0.0, 0.0), |(sum, n), r| (sum + r * r, n + 1.0));
         let noise = fitted.noise;
         Self {
             trial: trial.to_owned(),

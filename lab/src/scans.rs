@@ -113,7 +113,7 @@ impl<'a> ScanEvidence<'a> {
     pub fn repeats(&self, split: Split) -> Vec<ResidualGrid> {
         let of_split = |trial: &usize| self.of(split).any(|view| view.trial == *trial);
         let fitted = (0..self.tile_noise.len()).filter(of_split).filter_map(|trial| self.tile_noise[trial].as_ref());
-        fitted.flat_map(FittedNoise::grids).collect()
+        fitted.flat_map(|fitted| fitted.whitened.iter().cloned()).collect()
     }
 
     /// Number of passes of each trial that must be simulated to predict a split.

@@ -16,7 +16,7 @@ use crate::criteria::{RESIDUAL_TEST_DRAWS, RUN_LINE_LEAST, SHARED_TILES_LEAST, S
 use random::Stream;
 
 /// Residuals on a grid: tiles of a scan, or rows of a table in one line.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ResidualGrid {
     /// Grid size along x.
     pub nx: usize,

@@ -1,23 +1,13 @@
-//! The noise of a tile's mean, and its fit to two scans of one surface by maximum likelihood.
+//! The noise of a tile's mean: its covariance, and the kernels of its correlation. [`super::noise_fit`] fits it.
 
 use glam::DVec2;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::DMatrix;
 use sdf_bake::HeightMap;
 use serde::Serialize;
 
+use super::noise_fit::Blocks;
+use super::structure::ResidualGrid;
 use super::tiles::Tiles;
-use crate::criteria::{NOISE_BLOCK_SHARE, NOISE_CUT_SIGMAS};
-use trials::measure::centre_and_sigma;
-
-/// Sides of the square blocks of tiles over which a likelihood is a product, in descending order.
-const BLOCK_SIDES: [usize; 6] = [12, 10, 8, 6, 5, 4];
-/// Tried correlation lengths [tiles]; shorter ones are independent noise, longer ones resemble the scan's pose.
-const NOISE_LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-/// Factors on both sides of the best length that are tried next: half the logarithmic distance to the next length, then
-/// half of that.
-const LENGTH_STEPS: [f64; 3] = [1.414, 1.189, 1.09];
-/// Steps of the search for the correlated share.
-const SHARE_STEPS: usize = 24;
 
 /// Correlation function of the noise that tiles share (Rasmussen and Williams 2006, section 4.2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -78,40 +68,15 @@ pub struct TileNoise {
 pub struct FittedNoise {
     /// The noise.
     pub noise: TileNoise,
-    /// Whitened difference of the two scans, block by block, row by row; variance one where the noise model is right.
-    pub whitened: Vec<Vec<f64>>,
-    /// Tiles along each side of a block.
-    pub side: usize,
-}
-
-/// Square blocks of tiles without missing ones, by map.
-struct Blocks {
-    side: usize,
-    values: Vec<Vec<DVector<f64>>>,
-}
-
-/// Eigendecomposition of a kernel of given length on a block: eigenvectors, eigenvalues, and the data along them.
-struct Spectrum {
-    variances: DVector<f64>,
-    along: Vec<Vec<DVector<f64>>>,
-    fields: DMatrix<f64>,
-}
-
-/// Maximum-likelihood result for one kernel and length.
-struct Candidate {
-    cost: f64,
-    kernel: Kernel,
-    length: f64,
-    share: f64,
-    /// Variance of the difference, by map.
-    variances: Vec<f64>,
+    /// Whitened difference of the two scans, block by block; variance one where the noise model is right.
+    pub whitened: Vec<ResidualGrid>,
 }
 
 impl FittedNoise {
     /// Independent noise of given standard deviation [m], not fitted to differences of scans.
     pub fn alone(sigma: f64) -> Self {
         let noise = TileNoise { alone: sigma, shared: 0.0, length: 0.0, kernel: Kernel::default() };
-        Self { noise, whitened: Vec::new(), side: 0 }
+        Self { noise, whitened: Vec::new() }
     }
 }
 
@@ -149,7 +114,7 @@ impl TileNoise {
     /// The result is `None` for maps with too few tiles.
     pub fn fitted(differences: &[HeightMap]) -> Vec<Option<FittedNoise>> {
         let mut all = vec![None; differences.len()];
-        let usable = |k: &usize| Blocks::side_of(&differences[*k]).is_some();
+        let usable = |k: &usize| Blocks::can_cut(&differences[*k]);
         let mut rest: Vec<usize> = (0..differences.len()).filter(usable).collect();
         while let Some(&first) = rest.first() {
             // Lengths are counted in tiles.
@@ -163,168 +128,11 @@ impl TileNoise {
         }
         all
     }
-
-    /// Noise of one scan; the difference of two scans has twice the variance.
-    fn of(best: &Candidate, difference_variance: f64, pitch: f64) -> Self {
-        let variance = 0.5 * difference_variance;
-        Self {
-            alone: ((1.0 - best.share) * variance).sqrt(),
-            shared: (best.share * variance).sqrt(),
-            length: best.length * pitch,
-            kernel: best.kernel,
-        }
-    }
-}
-
-impl Blocks {
-    /// Noise of each map; `None` without maps.
-    fn fitted(maps: &[&HeightMap]) -> Option<Vec<FittedNoise>> {
-        let side = maps.iter().filter_map(|map| Self::side_of(map)).min()?;
-        let blocks = Self { side, values: maps.iter().map(|map| Self::cut(map, side)).collect() };
-        let first = blocks.best()?;
-        let blocks = blocks.without_outliers(&first);
-        let best = blocks.best()?;
-        let whitened = blocks.whitened(&best);
-        let noise = |(map, variance): (&&HeightMap, &f64)| TileNoise::of(&best, *variance, map.pixels.pitch);
-        let noises = maps.iter().zip(&best.variances).map(noise);
-        Some(noises.zip(whitened).map(|(noise, whitened)| FittedNoise { noise, whitened, side }).collect())
-    }
-
-    /// Side of the largest blocks that cover most of the known area of a map.
-    fn side_of(map: &HeightMap) -> Option<usize> {
-        let known = map.heights.iter().filter(|height| height.is_finite()).count() as f64;
-        let covers = |&side: &usize| {
-            let covered = Self::corners(map, side).count() * side * side;
-            covered > 0 && covered as f64 >= NOISE_BLOCK_SHARE * known
-        };
-        BLOCK_SIDES.into_iter().find(covers)
-    }
-
-    /// First tile of each block without missing tiles.
-    fn corners(map: &HeightMap, side: usize) -> impl Iterator<Item = usize> {
-        let (nx, ny) = (map.pixels.nx, map.pixels.ny);
-        let whole =
-            move |corner: &usize| (0..side * side).all(|k| map.heights[corner + k / side * nx + k % side].is_finite());
-        (0..ny / side).flat_map(move |j| (0..nx / side).map(move |i| j * side * nx + i * side)).filter(whole)
-    }
-
-    /// Blocks of a map, with outlying values cut.
-    fn cut(map: &HeightMap, side: usize) -> Vec<DVector<f64>> {
-        let known: Vec<f64> = map.heights.iter().copied().filter(|height| height.is_finite()).collect();
-        let (centre, sigma) = centre_and_sigma(&known).unwrap_or_default();
-        let most = NOISE_CUT_SIGMAS * sigma;
-        let block = |corner: usize| {
-            let at = |k: usize| map.heights[corner + k / side * map.pixels.nx + k % side];
-            DVector::from_fn(side * side, |k, _| (at(k) - centre).clamp(-most, most))
-        };
-        Self::corners(map, side).map(block).collect()
-    }
-
-    /// Blocks with values cut that deviate too far from their prediction by the others of the block: a spike that is
-    /// small among all tiles is large beside its neighbours.
-    fn without_outliers(self, best: &Candidate) -> Self {
-        let spectrum = self.spectrum(best.kernel, best.length);
-        let weights = best.weights(&spectrum).map(f64::recip);
-        let precision = &spectrum.fields * DMatrix::from_diagonal(&weights) * spectrum.fields.transpose();
-        let cut = |values: DVector<f64>, most: f64| {
-            // Leave-one-out residual (Rasmussen and Williams 2006, equation 5.12).
-            let left = &precision * &values;
-            let beyond = |k: usize| {
-                let (own, sigma) = (left[k] / precision[(k, k)], precision[(k, k)].sqrt().recip());
-                own - own.clamp(-most * sigma, most * sigma)
-            };
-            DVector::from_fn(values.len(), |k, _| values[k] - beyond(k))
-        };
-        let map = |(blocks, variance): (Vec<DVector<f64>>, &f64)| {
-            let most = NOISE_CUT_SIGMAS * variance.sqrt();
-            blocks.into_iter().map(|values| cut(values, most)).collect()
-        };
-        Self { values: self.values.into_iter().zip(&best.variances).map(map).collect(), ..self }
-    }
-
-    /// Kernel with the greatest likelihood.
-    fn best(&self) -> Option<Candidate> {
-        let best = Kernel::ALL.map(|kernel| self.best_length(kernel));
-        best.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))
-    }
-
-    /// Most likely length of a kernel: the best of a few, then of those beside it.
-    fn best_length(&self, kernel: Kernel) -> Option<Candidate> {
-        let longest = 0.5 * self.side as f64;
-        let of = |length: f64| (length <= longest).then(|| self.candidate((kernel, length)));
-        let better = |a: Candidate, b: Candidate| if b.cost < a.cost { b } else { a };
-        let mut best = NOISE_LENGTHS.iter().filter_map(|&length| of(length)).reduce(better)?;
-        for step in LENGTH_STEPS {
-            let beside = [best.length / step, best.length * step];
-            best = beside.into_iter().filter_map(of).fold(best, better);
-        }
-        Some(best)
-    }
-
-    /// Most likely correlated share for a kernel and length.
-    fn candidate(&self, (kernel, length): (Kernel, f64)) -> Candidate {
-        let spectrum = self.spectrum(kernel, length);
-        let of_share = |share: f64| {
-            let (cost, variances) = spectrum.cost(share);
-            Candidate { cost, kernel, length, share, variances }
-        };
-        let shares = (0..SHARE_STEPS).map(|k| (k as f64 + 0.5) / SHARE_STEPS as f64).map(|s| s.powf(0.5));
-        shares.chain([0.0]).map(of_share).min_by(|a, b| a.cost.total_cmp(&b.cost)).expect("there are shares")
-    }
-
-    fn spectrum(&self, kernel: Kernel, length: f64) -> Spectrum {
-        let place = |k: usize| DVec2::new((k % self.side) as f64, (k / self.side) as f64);
-        let count = self.side * self.side;
-        let matrix = DMatrix::from_fn(count, count, |a, b| kernel.at(place(a).distance(place(b)) / length));
-        let SymmetricEigen { eigenvectors, eigenvalues } = matrix.symmetric_eigen();
-        let along = |blocks: &Vec<DVector<f64>>| blocks.iter().map(|values| eigenvectors.tr_mul(values)).collect();
-        let along = self.values.iter().map(along).collect();
-        Spectrum { variances: eigenvalues.map(|v| v.max(0.0)), along, fields: eigenvectors }
-    }
-
-    /// Whitened data, by map and block.
-    fn whitened(&self, best: &Candidate) -> Vec<Vec<Vec<f64>>> {
-        let spectrum = self.spectrum(best.kernel, best.length);
-        let scale = best.weights(&spectrum).map(|weight| weight.sqrt().recip());
-        // Symmetric whitening keeps each value at its tile.
-        let block = |along: &DVector<f64>, sigma: f64| {
-            (&spectrum.fields * along.component_mul(&scale) / sigma).as_slice().to_vec()
-        };
-        let map = |(blocks, variance): (&Vec<DVector<f64>>, &f64)| {
-            blocks.iter().map(|along| block(along, variance.sqrt())).collect()
-        };
-        spectrum.along.iter().zip(&best.variances).map(map).collect()
-    }
-}
-
-impl Candidate {
-    /// Variance along each eigenvector over that of a value.
-    fn weights(&self, spectrum: &Spectrum) -> DVector<f64> {
-        spectrum.variances.map(|v| (1.0 - self.share) + self.share * v)
-    }
-}
-
-impl Spectrum {
-    /// Twice the negative log likelihood, minimised over the variances, and these variances, by map.
-    fn cost(&self, share: f64) -> (f64, Vec<f64>) {
-        let weights = self.variances.map(|v| (1.0 - share) + share * v);
-        let logs: f64 = weights.iter().map(|w| w.ln()).sum();
-        let squares = |along: &DVector<f64>| along.iter().zip(&weights).map(|(a, w)| a * a / w).sum::<f64>();
-        let mut cost = 0.0;
-        let mut variances = Vec::new();
-        for blocks in &self.along {
-            let count = (blocks.len() * weights.len()) as f64;
-            let variance = (blocks.iter().map(squares).sum::<f64>() / count).max(f64::MIN_POSITIVE);
-            cost += count * variance.ln() + logs * blocks.len() as f64;
-            variances.push(variance);
-        }
-        (cost, variances)
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Cholesky;
+    use nalgebra::{Cholesky, DVector};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
     use sdf_bake::PixelGrid;
@@ -352,8 +160,8 @@ mod tests {
     }
 
     fn mean_square(fitted: &FittedNoise) -> f64 {
-        let count = fitted.whitened.iter().map(Vec::len).sum::<usize>() as f64;
-        fitted.whitened.iter().flatten().map(|r| r * r).sum::<f64>() / count
+        let residuals = || fitted.whitened.iter().flat_map(|grid| &grid.residuals);
+        residuals().map(|r| r * r).sum::<f64>() / residuals().count() as f64
     }
 
     #[test]
@@ -383,12 +191,21 @@ mod tests {
     }
 
     #[test]
-    fn holes_leave_smaller_blocks_and_too_many_none() {
+    fn holes_change_little_until_hardly_a_tile_has_neighbours() {
         let drawn = TileNoise { alone: 1e-6, shared: 1e-6, length: 2e-3, kernel: Kernel::Gaussian };
-        let mut map = difference(drawn, 6);
-        map.heights[7 * SHAPE.0 + 20] = f64::NAN;
-        assert!(fitted(&map).is_some());
-        map.heights.iter_mut().step_by(3).for_each(|height| *height = f64::NAN);
-        assert!(fitted(&map).is_none());
+        let whole = difference(drawn, 6);
+        let holed = |is_hole: fn(usize) -> bool| {
+            let mut map = whole.clone();
+            map.heights.iter_mut().enumerate().filter(|(k, _)| is_hole(*k)).for_each(|(_, height)| *height = f64::NAN);
+            fitted(&map)
+        };
+        for is_hole in [|k| k == 7 * SHAPE.0 + 20, |k| k % 7 == 0, |k| k % 3 == 0] as [fn(usize) -> bool; 3] {
+            let found = holed(is_hole).unwrap();
+            println!("{:?}", found.noise);
+            assert!((found.noise.sigma() / drawn.sigma() - 1.0).abs() < 0.15, "{:?}", found.noise);
+            assert!((mean_square(&found) - 1.0).abs() < 1e-9);
+            assert!(found.whitened.iter().all(|grid| grid.cells.len() == grid.residuals.len()));
+        }
+        assert!(holed(|k| k % 3 != 0).is_none());
     }
 }
