@@ -13,6 +13,7 @@ use super::fit::Fit;
 use super::leaders::with_leaders_completed;
 use super::model_weights::probabilities;
 use super::probe::Candidate;
+use super::reserve::Reserve;
 use super::response::{Baseline, Projector};
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
@@ -193,6 +194,11 @@ impl Round {
     /// The most probable admissible effect.
     pub fn best(&self) -> Option<&Finding> {
         self.findings.first().filter(|finding| finding.is_admissible && finding.probability > 0.0)
+    }
+
+    /// The most probable effect, if it was taken back because it raises the error of the held-out data.
+    pub(super) fn taken_back(&self) -> Option<&Finding> {
+        self.findings.first().filter(|first| first.reserve == Some(Reserve::PredictsWorse))
     }
 
     /// The best effect, unless it is most probable that none of the effects is the cause.

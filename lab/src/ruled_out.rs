@@ -3,6 +3,7 @@
 use super::diagnose::Diagnosis;
 use super::evidence::ErrorUnit;
 use super::finding::Finding;
+use super::reserve::Reserve;
 use super::round::Round;
 use crate::criteria::{NAMED_PROBABILITY, SIGNIFICANCE_LEVEL};
 
@@ -20,6 +21,9 @@ impl Round {
 
     /// Reasons for which an effect is not admissible.
     fn inadmissible(&self, finding: &Finding, unit: ErrorUnit) -> Vec<String> {
+        if let Some(reserve) = finding.reserve.filter(|reserve| *reserve == Reserve::PredictsWorse) {
+            return vec![reserve.words().to_owned()];
+        }
         let mut reasons = Vec::new();
         if finding.suspect.is_null() {
             reasons.push("it ended at its null, where it changes nothing".to_owned());
@@ -40,6 +44,9 @@ impl Round {
     fn beaten(&self, finding: &Finding) -> Option<String> {
         if finding.suspect.is_on_bound() && !self.is_half {
             return Some("its best size lies beyond its range".to_owned());
+        }
+        if let Some(first) = self.taken_back() {
+            return Some(format!("{}, which is more probable, was taken back", first.suspect.name()));
         }
         let Some(best) = self.best() else {
             return Some("it predicts data left out of the fit no better than the model without it".to_owned());

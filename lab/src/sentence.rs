@@ -3,7 +3,6 @@
 use super::diagnose::Diagnosis;
 use super::evidence::ErrorUnit;
 use super::finding::Finding;
-use super::reserve::Reserve;
 use super::summary::{EffectSummary, parameter_summary, significant};
 use super::verdict::Verdict;
 use crate::criteria::NEAREST_SHARE;
@@ -67,9 +66,8 @@ fn with_values(effect: &EffectSummary) -> String {
 
 /// Phrase on an effect that was taken back because of the held-out passes.
 fn predicts_worse(diagnosis: &Diagnosis) -> Option<String> {
-    let best = diagnosis.rounds.first()?.findings.first()?;
-    let reserve = best.reserve.filter(|reserve| *reserve == Reserve::PredictsWorse)?;
-    Some(format!(" The most probable effect is {}: {}.", best.suspect.name(), reserve.words()))
+    let best = diagnosis.rounds.first()?.taken_back()?;
+    Some(format!(" The most probable effect is {}: {}.", best.suspect.name(), best.reserve?.words()))
 }
 
 /// Phrase on the effect that comes nearest, if it explains a good part of the misfit.

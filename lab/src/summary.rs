@@ -12,6 +12,7 @@ use super::fit::{Estimate, Fit};
 use super::frame::FrameEstimate;
 use super::next_trial::NextTrial;
 use super::pass_trend::PassTrend;
+use super::reserve::Reserve;
 use super::round::Round;
 use super::sentence::sentence;
 use super::unfitted::Unfitted;
@@ -227,7 +228,8 @@ impl EffectSummary {
     }
 
     fn new(evidence: &dyn Evidence, (search, round): (usize, &Round), finding: &Finding, title: &str) -> Self {
-        let before: &[Agreement] = if finding.is_admissible { &round.evaluation } else { &[] };
+        let is_shown = finding.is_admissible || finding.reserve == Some(Reserve::PredictsWorse);
+        let before: &[Agreement] = if is_shown { &round.evaluation } else { &[] };
         let own = |e: &Estimate| e.coordinate.slot.owner == finding.suspect.name();
         let estimates = finding.suspect.fit.estimates(round.spread);
         let row = |e: &Estimate| e.coordinate.slot.row.map_or(String::new(), |row| format!("[{}]", row + 1));

@@ -13,11 +13,11 @@ const DATA: usize = 200;
 const DEPTH: f64 = 60.0;
 /// Sliding distance over all data [m].
 const SLID: f64 = 50.0;
-const BREAK_IN: &str = "break-in";
+pub(super) const BREAK_IN: &str = "break-in";
 const DISTANCE: f64 = 200.0;
 
 /// Noise-free depths of a break-in with this excess.
-struct Depths {
+pub(super) struct Depths {
     excess: f64,
 }
 
@@ -27,7 +27,7 @@ fn depth(rate: f64, excess: f64, distance: f64, number: usize) -> f64 {
 }
 
 impl Depths {
-    fn left(&self, model: &CompiledModel) -> Vec<f64> {
+    pub(super) fn left(&self, model: &CompiledModel) -> Vec<f64> {
         let value = |name: &str| model.index(name).map(|at| model.value(at));
         let rate = value("preston-threshold.grind_rate").unwrap() / library_rate();
         let [excess, distance] = [value("break-in.excess"), value("break-in.distance")];
@@ -84,7 +84,7 @@ impl Evidence for Depths {
 }
 
 /// Fits the base law to depths with a break-in.
-fn base(excess: f64) -> (Depths, Fit) {
+pub(super) fn base(excess: f64) -> (Depths, Fit) {
     let (evidence, model) = (Depths { excess }, Model::new(Process::Grinding));
     let compiled = CompiledModel::new(&model, Library::builtin(), evidence.rows()).unwrap();
     let fit = Fit::new(&evidence, &compiled, evidence.coordinates(&compiled), FitOptions::default()).unwrap();

@@ -14,6 +14,7 @@ mod pair;
 mod shared_folder;
 mod steps;
 mod structure;
+mod taken_back;
 mod two_passes;
 mod unknown;
 mod unseen;

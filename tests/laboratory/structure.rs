@@ -51,7 +51,9 @@ fn noise_that_is_known_from_a_repeated_scan_alarms_as_seldom() {
     let alarms = |seed: &u64| {
         let [mut data, mut repeat] = [noise(*seed), noise(1000 + *seed)];
         let size = (repeat.residuals.iter().map(|r| r * r).sum::<f64>() / repeat.residuals.len() as f64).sqrt();
-        [&mut data, &mut repeat].map(|grid| grid.residuals.iter_mut().for_each(|r| *r /= size));
+        for grid in [&mut data, &mut repeat] {
+            grid.residuals.iter_mut().for_each(|r| *r /= size);
+        }
         [&[][..], &[repeat]].map(|repeats| structure_tests(&[data.clone()], repeats, 0, &[], *seed))
     };
     let rejects = |tests: &Vec<StructureTest>| tests.iter().any(|test| test.rejects);
