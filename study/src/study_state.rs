@@ -191,8 +191,10 @@ impl<'a> StudyState<'a> {
     fn judged(&mut self, diagnosis: &mut Diagnosis) -> Option<String> {
         let record = &mut self.record;
         let first = &diagnosis.rounds[0];
-        if record.searched.is_empty() {
-            record.searched.push(first.as_searched());
+        match record.searched.last_mut() {
+            None => record.searched.push(first.as_searched()),
+            // The effect that was added last, as it is fitted now.
+            Some(last) => *last = Searched { probability: last.probability, ..first.as_searched() },
         }
         let sure = matches!(diagnosis.verdict, Verdict::Identified | Verdict::Partly);
         let found = diagnosis.found().first().map(|found| (found.suspect.name().to_owned(), found.as_searched()));
