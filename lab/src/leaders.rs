@@ -7,10 +7,9 @@ use rayon::prelude::*;
 use super::cross_validation::CrossValidation;
 use super::evidence::Evidence;
 use super::fit::Fit;
-use super::model_weights::probabilities;
+use super::model_weights::{is_near, probabilities};
 use super::space_mapping::Lattices;
 use super::suspect::Suspect;
-use crate::criteria::NAMED_PROBABILITY;
 
 /// A model that was fitted to find the effects it lacks: one effect, or two.
 pub(super) trait Contender: Clone + Send + Sync {
@@ -21,7 +20,8 @@ pub(super) trait Contender: Clone + Send + Sync {
     fn completed(self, lattices: Lattices, base: &Fit) -> Self;
 }
 
-/// Continues the fits of the models that predict best, until those that cannot be told from the best have all ended.
+/// Completes the fits of the models that predict best: of all with odds of more than one to nine against the best one.
+/// Completed fits change the odds, so this is repeated.
 ///
 /// - `base`: fit of the model without the effects
 /// - `seed`: seed of the folds' weights
@@ -55,7 +55,8 @@ fn unfinished_leaders<C: Contender>(evidence: &dyn Evidence, base: &Fit, contend
     let priors = contenders.iter().map(|contender| contender.suspect().prior());
     let weights = probabilities(&densities, &std::iter::once(1.0).chain(priors).collect::<Vec<_>>(), seed);
     let most = weights[1..].iter().copied().fold(0.0, f64::max);
-    let leads =
-        |k: &usize| weights[1 + k] > 0.0 && weights[1 + k] * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY);
-    (0..contenders.len()).filter(leads).filter(|&k| !contenders[k].suspect().is_completed).collect()
+    (0..contenders.len())
+        .filter(|&k| is_near(weights[1 + k], most))
+        .filter(|&k| !contenders[k].suspect().is_completed)
+        .collect()
 }

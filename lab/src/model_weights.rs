@@ -6,7 +6,7 @@
 
 use random::Stream;
 
-use crate::criteria::FOLD_WEIGHT_DRAWS;
+use crate::criteria::{FOLD_WEIGHT_DRAWS, NAMED_PROBABILITY};
 
 /// Probability of each model.
 ///
@@ -34,6 +34,11 @@ pub(super) fn probabilities(densities: &[Vec<f64>], priors: &[f64], seed: u64) -
         }
     }
     sums.into_iter().map(|sum| sum / FOLD_WEIGHT_DRAWS as f64).collect()
+}
+
+/// True if the odds of the most probable model against one of this probability are at most nine to one.
+pub(super) fn is_near(probability: f64, most: f64) -> bool {
+    probability * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY) && probability > 0.0
 }
 
 #[cfg(test)]

@@ -21,16 +21,6 @@ pub(super) struct Prepared {
     pub(super) tile_noise: Vec<Option<FittedNoise>>,
 }
 
-/// Message on masks that no rate can be fitted to.
-const BARE_NOWHERE: &str = "no mask of a calibration pass shows the substrate: sand at least one of them through the \
-                            coating somewhere, or give a pass after it";
-
-/// True for a mask without an exposed pixel, and for every scan that is held out.
-fn is_bare_nowhere(view: &ScanView) -> bool {
-    let is_coated = |data: &ExposureView| data.measured.exposed.iter().all(|exposed| *exposed != Some(true));
-    view.split != Split::Calibration || view.data.as_exposure().is_some_and(is_coated)
-}
-
 /// A trial's scan before the first pass, and the area of each pass.
 struct Surface<'a> {
     trial: &'a Trial,
@@ -75,9 +65,6 @@ impl Prepared {
         };
         let views: Vec<Vec<ScanView>> =
             (0..surfaces.len()).into_par_iter().map(|k| surfaces[k].views(k, &noises)).collect::<Result<_, _>>()?;
-        if views.iter().flatten().all(is_bare_nowhere) {
-            return Err(EvidenceError::NoData(BARE_NOWHERE.to_owned()));
-        }
         let tile_noise = surfaces.iter().enumerate().map(|(k, surface)| {
             let side = surface.passes.last()?.side;
             noises.iter().find(|noise| noise.0 == side)?.1[k].clone()

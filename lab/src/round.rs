@@ -11,7 +11,7 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::finding::{Against, Finding};
 use super::fit::Fit;
 use super::leaders::with_leaders_completed;
-use super::model_weights::probabilities;
+use super::model_weights::{is_near, probabilities};
 use super::probe::Candidate;
 use super::reserve::Reserve;
 use super::response::{Baseline, Projector};
@@ -220,7 +220,7 @@ impl Round {
     /// True if the odds of the best effect against this one are at most nine to one: the two are indistinguishable.
     pub(super) fn is_near(&self, finding: &Finding) -> bool {
         let most = self.best().map_or(0.0, |best| best.probability);
-        finding.probability * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY) && finding.probability > 0.0
+        is_near(finding.probability, most)
     }
 
     /// Effects that the data cannot distinguish from the best.

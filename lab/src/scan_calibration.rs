@@ -14,6 +14,10 @@ use super::simulation_errors::SimulationErrors;
 use crate::criteria::{COARSE_VOXEL_RATIO, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO};
 use trial_simulation::CampaignSimulation;
 
+/// Message on masks to which no rate can be fitted.
+const COATED_EVERYWHERE: &str = "no mask of a calibration pass shows the substrate: sand at least one of them through \
+                                 the coating somewhere, or give a pass after it";
+
 impl<'a> ScanEvidence<'a> {
     /// Measures the lattice error of the simulation near a model, and finds the spikes that rims have hidden. From then
     /// on the lattice error is a degree of freedom of the data, and the spikes are left out. Sanding does not move the
@@ -45,13 +49,16 @@ impl<'a> ScanEvidence<'a> {
     /// - `done`: called after each fit with its name
     ///
     /// # Errors
-    /// As [`Calibration::new`].
+    /// As [`Calibration::new`], or if no mask of a calibration pass has an exposed pixel.
     pub fn calibrated(
         &mut self,
         (model, start): (&Model, &Model),
         library: &Library,
         (order, done): (Order, &dyn Fn(&str)),
     ) -> Result<Calibration, LabError> {
+        if self.is_coated_everywhere() {
+            return Err(EvidenceError::NoData(COATED_EVERYWHERE.to_owned()).into());
+        }
         let compiled = CompiledModel::new(model, library, self.rows())?;
         self.limit_steps(&compiled)?;
         if self.process().signal() == Signal::Dose {
@@ -64,6 +71,12 @@ impl<'a> ScanEvidence<'a> {
         let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
         let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
         self.renewed(calibration)
+    }
+
+    /// True if there are masks of calibration passes, none with an exposed pixel.
+    fn is_coated_everywhere(&self) -> bool {
+        let masks: Vec<_> = self.of(Split::Calibration).filter_map(|view| view.data.as_exposure()).collect();
+        !masks.is_empty() && masks.iter().all(|mask| mask.measured.exposed.iter().all(|seen| *seen != Some(true)))
     }
 
     /// Continues a calibration with the lattice error at its best values.
