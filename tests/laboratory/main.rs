@@ -4,6 +4,7 @@
 mod attempts;
 mod blurred;
 mod campaigns;
+mod coated;
 mod compared;
 mod frames;
 mod hostile;
