@@ -6,7 +6,10 @@ use sdf_bake::PixelGrid;
 /// Border of the region in which a field is positive.
 #[derive(Clone, Debug)]
 pub struct Border {
-    places: Vec<DVec2>,
+    /// Straight pieces, one or two in each square of four neighbouring pixels that the border crosses; a crossing
+    /// between squares with unknown pixels is a piece of no length.
+    pieces: Vec<[DVec2; 2]>,
+    crossings: usize,
 }
 
 /// A place relative to a border.
@@ -21,36 +24,122 @@ pub struct BorderDistance {
 }
 
 impl Border {
-    /// Finds the zero crossings of a field between neighbouring pixels along x and y. The field has one value per
-    /// pixel, NaN where it is unknown.
+    /// Traces the zero level of a field by marching squares (Lorensen and Cline 1987, in the plane). The field has one
+    /// value per pixel, NaN where it is unknown.
     pub fn new(field: &[f64], pixels: PixelGrid) -> Self {
-        let mut places = Vec::new();
-        for at in 0..field.len() {
-            let (i, j) = (at % pixels.nx, at / pixels.nx);
-            let next = [(i + 1 < pixels.nx, i + 1, j), (j + 1 < pixels.ny, i, j + 1)];
-            for (_, i1, j1) in next.into_iter().filter(|(inside, _, _)| *inside) {
-                let (a, b) = (field[at], field[pixels.at(i1, j1)]);
-                if a.is_finite() && b.is_finite() && (a > 0.0) != (b > 0.0) {
-                    places.push(pixels.position(i, j).lerp(pixels.position(i1, j1), a / (a - b)));
+        let crossing = |[a, b]: [(usize, usize); 2]| {
+            let [from, to] = [a, b].map(|(i, j)| field[pixels.at(i, j)]);
+            let crosses = from.is_finite() && to.is_finite() && (from > 0.0) != (to > 0.0);
+            crosses.then(|| pixels.position(a.0, a.1).lerp(pixels.position(b.0, b.1), from / (from - to)))
+        };
+        let mut border = Self { pieces: Vec::new(), crossings: 0 };
+        let mut square_of = vec![false; 2 * field.len()];
+        for (i, j) in
+            (0..pixels.ny.saturating_sub(1)).flat_map(|j| (0..pixels.nx.saturating_sub(1)).map(move |i| (i, j)))
+        {
+            let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            let values = corners.map(|(i, j)| field[pixels.at(i, j)]);
+            if values.iter().all(|value| value.is_finite()) {
+                let edges: [Option<DVec2>; 4] = std::array::from_fn(|k| crossing([corners[k], corners[(k + 1) % 4]]));
+                border.pieces.extend(pieces(edges, (values[0] > 0.0) == (values.iter().sum::<f64>() > 0.0)));
+                let own = [(i, j, 0), (i + 1, j, 1), (i, j + 1, 0), (i, j, 1)];
+                own.into_iter().for_each(|(i, j, along)| square_of[2 * pixels.at(i, j) + along] = true);
+            }
+        }
+        for (i, j) in (0..pixels.ny).flat_map(|j| (0..pixels.nx).map(move |i| (i, j))) {
+            let next = [(i + 1 < pixels.nx, (i + 1, j), 0), (j + 1 < pixels.ny, (i, j + 1), 1)];
+            for (_, to, along) in next.into_iter().filter(|(is_inside, ..)| *is_inside) {
+                let Some(place) = crossing([(i, j), to]) else { continue };
+                border.crossings += 1;
+                if !square_of[2 * pixels.at(i, j) + along] {
+                    border.pieces.push([place; 2]);
                 }
             }
         }
-        Self { places }
+        border
     }
 
     /// Number of pixel edges that the border crosses.
     pub fn crossings(&self) -> usize {
-        self.places.len()
+        self.crossings
     }
 
     /// Locates a place, whose side is known, relative to the border; distances are clamped to `reach` [m].
     pub fn distance_from(&self, place: DVec2, is_above: bool, reach: f64) -> BorderDistance {
         let sign = if is_above { 1.0 } else { -1.0 };
-        let nearest = self.places.iter().min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
+        let nearest = self.pieces.iter().map(|piece| nearest_on(*piece, place));
+        let nearest = nearest.min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
         let Some(nearest) = nearest.filter(|nearest| nearest.distance(place) < reach) else {
             return BorderDistance { distance: sign * reach, away: DVec2::ZERO, nearest: None };
         };
-        let way = place - *nearest;
-        BorderDistance { distance: sign * way.length(), away: sign * way.normalize_or_zero(), nearest: Some(*nearest) }
+        let way = place - nearest;
+        BorderDistance { distance: sign * way.length(), away: sign * way.normalize_or_zero(), nearest: Some(nearest) }
+    }
+}
+
+/// Pieces of the border in a square, from the crossings of its four edges in turn. With four crossings the border
+/// cuts off two opposite corners: the first and third if these differ from the square's centre.
+fn pieces(edges: [Option<DVec2>; 4], first_is_like_centre: bool) -> Vec<[DVec2; 2]> {
+    let crossed: Vec<DVec2> = edges.into_iter().flatten().collect();
+    match crossed[..] {
+        [a, b] => vec![[a, b]],
+        [a, b, c, d] if first_is_like_centre => vec![[a, b], [c, d]],
+        [a, b, c, d] => vec![[d, a], [b, c]],
+        _ => Vec::new(),
+    }
+}
+
+/// Nearest point of a straight piece.
+fn nearest_on([from, to]: [DVec2; 2], place: DVec2) -> DVec2 {
+    let way = to - from;
+    let share = (place - from).dot(way) / way.length_squared();
+    if share.is_finite() { from + share.clamp(0.0, 1.0) * way } else { from }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PIXELS: PixelGrid = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 40, ny: 30 };
+
+    fn field(value: impl Fn(DVec2) -> f64) -> Vec<f64> {
+        (0..PIXELS.ny).flat_map(|j| (0..PIXELS.nx).map(move |i| PIXELS.position(i, j))).map(value).collect()
+    }
+
+    #[test]
+    fn distances_from_a_slanted_line_are_exact() {
+        let normal = DVec2::new(0.6, 0.8);
+        let height = |place: DVec2| normal.dot(place) - 9.1e-3;
+        let border = Border::new(&field(height), PIXELS);
+        for place in [DVec2::new(7e-3, 6.2e-3), DVec2::new(6.1e-3, 7.3e-3), DVec2::new(9e-3, 4.6e-3)] {
+            let found = border.distance_from(place, height(place) > 0.0, 5e-3);
+            assert!((found.distance - height(place)).abs() < 1e-12, "{found:?} for {}", height(place));
+            assert!(found.away.distance(normal) < 1e-6 || found.distance.abs() < 1e-9, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn distances_from_a_circle_are_those_of_its_chords() {
+        let (centre, radius) = (DVec2::new(9.7e-3, 7.2e-3), 4e-3);
+        let height = |place: DVec2| radius - place.distance(centre);
+        let border = Border::new(&field(height), PIXELS);
+        // The sagitta of a chord as long as a pixel's diagonal.
+        let sagitta = 2.0 * PIXELS.pitch * PIXELS.pitch / (8.0 * radius);
+        for turn in 0..50 {
+            let place = centre + 3.6e-3 * DVec2::from_angle(f64::from(turn));
+            let found = border.distance_from(place, true, 5e-3);
+            assert!((found.distance - 0.4e-3).abs() < 2.0 * sagitta, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_crossing_beside_unknown_pixels_still_is_a_border() {
+        let mut line = field(|place| place.x - 9.8e-3);
+        line.iter_mut().enumerate().filter(|(at, _)| at / PIXELS.nx != 10).for_each(|(_, value)| *value = f64::NAN);
+        let border = Border::new(&line, PIXELS);
+        assert_eq!(border.crossings(), 1);
+        let place = PIXELS.position(0, 10) + DVec2::new(10.5e-3, 0.0);
+        let found = border.distance_from(place, true, 5e-3);
+        assert!((found.distance - 0.7e-3 - PIXELS.position(0, 10).x).abs() < 1e-9, "{found:?}");
     }
 }

@@ -18,6 +18,8 @@ pub struct Finding {
     pub delta_chi2: f64,
     /// P-value: probability that noise alone gives the best of all effects such a Δχ².
     pub p_value: f64,
+    /// Least probability of noise alone at this p-value.
+    pub least_none: f64,
     /// Size of the effect, in the data's unit: the larger of the root mean square change of the calibration data and
     /// the reduction of their error.
     pub size: f64,
@@ -86,6 +88,7 @@ impl Finding {
         Ok(Self {
             delta_chi2: (base.chi2 - suspect.fit.chi2) / (spread * spread),
             p_value,
+            least_none: draws.least_null_probability(base, &suspect.fit),
             size,
             probability: 0.0,
             calibration,

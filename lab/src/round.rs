@@ -138,7 +138,8 @@ impl Round {
     /// Computes the probabilities of the admissible effects and of none of them. An effect that hits its upper bound
     /// counts for "none of them": something acts that no other effect describes.
     fn weigh(&mut self) {
-        let [none, probabilities @ ..] = &self.probabilities(|finding| finding.is_admissible)[..] else { return };
+        let probabilities = self.probabilities(|finding| finding.is_admissible);
+        let [none, probabilities @ ..] = &self.no_surer_than_significant(probabilities)[..] else { return };
         self.none = *none;
         for (finding, &probability) in self.findings.iter_mut().zip(probabilities) {
             let is_cause = !finding.suspect.is_on_bound();
@@ -165,6 +166,20 @@ impl Round {
             .chain(self.findings.iter().map(|finding| finding.share * finding.suspect.prior()))
             .collect();
         probabilities(&densities, &priors, self.seed)
+    }
+
+    /// Raises the probability of no effect, given before those of the effects, to the least that the most probable
+    /// effect's p-value allows.
+    fn no_surer_than_significant(&self, mut probabilities: Vec<f64>) -> Vec<f64> {
+        let [none, effects @ ..] = &mut probabilities[..] else { return probabilities };
+        let most = effects.iter().zip(&self.findings).max_by(|a, b| a.0.total_cmp(b.0));
+        let least = most.map_or(0.0, |(_, finding)| finding.least_none);
+        if *none < least {
+            let share = (1.0 - least) / (1.0 - *none);
+            effects.iter_mut().for_each(|probability| *probability *= share);
+            *none = least;
+        }
+        probabilities
     }
 
     /// Returns the base model as an element of a chain of searches.

@@ -90,8 +90,22 @@ impl NullDraws {
         let delta_chi2 = base.chi2 - with.chi2;
         let more = self.largest.len() - self.largest.partition_point(|drawn| *drawn < delta_chi2);
         let drawn = (more + 1) as f64 / (self.largest.len() + 1) as f64;
+        drawn.max(self.p_of_f_test(base, with))
+    }
+
+    fn p_of_f_test(&self, base: &Fit, with: &Fit) -> f64 {
         let added = with.coordinates.len().saturating_sub(base.coordinates.len()).max(1);
-        drawn.max(self.f_test((delta_chi2, added), (with.chi2, with.residuals.len(), with.coordinates.len())))
+        let fall = (base.chi2 - with.chi2, added);
+        self.f_test(fall, (with.chi2, with.residuals.len(), with.coordinates.len()))
+    }
+
+    /// Least probability that noise alone is the cause, for a fit with an effect compared with the fit without it: even
+    /// odds before, and the greatest odds that any law of the p-value under an effect gives against noise, `-1/(e p ln p)`
+    /// (Sellke, Bayarri and Berger 2001). Where no draw reaches the Δχ², the p-value is that of the F test.
+    pub fn least_null_probability(&self, base: &Fit, with: &Fit) -> f64 {
+        let reached = self.largest.last().is_some_and(|largest| *largest >= base.chi2 - with.chi2);
+        let p_value = if reached { self.p_value(base, with) } else { self.p_of_f_test(base, with) };
+        least_null_probability(p_value)
     }
 
     /// - `fall`: Δχ² and the number of added parameters
@@ -104,9 +118,28 @@ impl NullDraws {
     }
 }
 
+/// Least probability of noise alone at a p-value, with even odds before.
+fn least_null_probability(p_value: f64) -> f64 {
+    let odds =
+        if p_value < (-1.0f64).exp() { -p_value.max(f64::MIN_POSITIVE).ln() * p_value * 1.0f64.exp() } else { 1.0 };
+    odds / (1.0 + odds)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_p_value_bounds_the_probability_of_noise_as_published() {
+        // Sellke, Bayarri and Berger 2001, table 1.
+        for (p_value, published) in
+            [(0.2, 0.465), (0.1, 0.385), (0.05, 0.289), (0.01, 0.111), (0.005, 0.067), (0.001, 0.0184)]
+        {
+            let found = least_null_probability(p_value);
+            assert!((found - published).abs() < 6e-4, "{p_value}: {found}");
+        }
+        assert_eq!([0.0, 0.4, 1.0].map(least_null_probability), [0.0, 0.5, 0.5]);
+    }
 
     #[test]
     fn few_data_need_a_larger_fall_than_many() {
