@@ -74,7 +74,12 @@ impl Candidate {
     /// For each amplitude the middle probe, with the typical shape of the library.
     pub(super) fn typical(&self) -> impl Iterator<Item = &Probe> {
         let amplitudes = self.coordinates.iter().filter(|coordinate| coordinate.slot.null.is_some()).count();
-        self.probes.iter().take(amplitudes).filter_map(|group| group.get(group.len() / 2))
+        self.of_each_shape().take(amplitudes)
+    }
+
+    /// The middle probe of each group: every amplitude, with the typical shape of the library and with each other one.
+    pub(super) fn of_each_shape(&self) -> impl Iterator<Item = &Probe> {
+        self.probes.iter().filter_map(|group| group.get(group.len() / 2))
     }
 
     /// The model with the effect at these values [SI].

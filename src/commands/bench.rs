@@ -42,7 +42,8 @@ enum Action {
     /// Study synthetic campaigns with known answers, and count how often the answer is right.
     #[command(after_help = "Examples:\n  robofin bench diagnose --out out/bench --cases 4\n  \
                             robofin bench diagnose --out out/bench --cases 60 --limit 100 --seed 7\n  \
-                            robofin bench diagnose --out out/bench --families N,S --cases 20 --json\n\n\
+                            robofin bench diagnose --out out/bench --families N,S --cases 20 --json\n  \
+                            robofin bench diagnose --out out/bench --cases 60 --part 2/8\n\n\
                             Finished cases in the folder are kept, and the others are run.")]
     Diagnose(DiagnoseArgs),
 }
@@ -62,9 +63,28 @@ struct DiagnoseArgs {
     /// At most this many of all these cases, drawn evenly from each family.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole::<usize>(CASES))]
     limit: Option<usize>,
+    /// Only the K-th, the (K+N)-th and so on of these cases, without the tables. Machines or processes that share the
+    /// folder run one part each; a run without this option then writes the tables.
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    part: Option<Part>,
     /// Seed of workpieces, laws, noise and paths, and of the draw of --limit.
     #[arg(long, value_name = "SEED", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>(SEEDS))]
     seed: u64,
+}
+
+/// One part of the cases, counted from one.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    number: usize,
+    count: usize,
+}
+
+fn part(text: &str) -> std::result::Result<Part, String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match numbers {
+        Some((number, count)) if (1..=count).contains(&number) => Ok(Part { number, count }),
+        _ => Err("expected K/N with whole numbers and 1 ≤ K ≤ N, as in 2/8".into()),
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -121,6 +141,11 @@ pub(super) fn run(args: &BenchArgs, console: &Console) -> Result<()> {
             }
         }
     }
+    if args.part.is_some() {
+        console
+            .step("finished", format!("{} cases of this part; without --part the tables are written", outcomes.len()));
+        return console.answer(&outcomes);
+    }
     let summary = Summary::new(&outcomes);
     let answer = Answer { seed: args.seed, summary: &summary, not_made: &not_made, outcomes: &outcomes };
     let write = |name: &str, text: &[u8]| write_file(&args.out.join(name), text);
@@ -142,7 +167,9 @@ impl DiagnoseArgs {
         let chosen: Vec<Family> =
             flags.filter(|(flag, _)| self.families.contains(flag)).map(|(_, family)| family).collect();
         let all = cases(&chosen, self.cases, self.seed, library);
-        sample(all, self.limit.unwrap_or(usize::MAX), self.seed)
+        let cases = sample(all, self.limit.unwrap_or(usize::MAX), self.seed);
+        let Part { number, count } = self.part.unwrap_or(Part { number: 1, count: 1 });
+        cases.into_iter().skip(number - 1).step_by(count).collect()
     }
 }
 

@@ -85,9 +85,13 @@ impl Search<'_> {
         let columns = FrameFreedom::new(&evidence, &fit.model)?.columns;
         let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
         let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
-        let rivals = rivals(&evidence, (self.model, &fit), self.library)?;
         let trials: Vec<&Trial> = trials.iter().collect();
-        let judged = Judged::new(linear, &rivals, (evidence.logs_moved(), &trials));
-        Ok(judged.place)
+        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (evidence.logs_moved(), &trials));
+        // Rivals can only weaken the evidence for an offset.
+        let without = judged(&[]).place;
+        if without == [0.0; QUANTITIES] {
+            return Ok(without);
+        }
+        Ok(judged(&rivals(&evidence, (self.model, &fit), self.library)?).place)
     }
 }

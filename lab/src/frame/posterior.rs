@@ -8,6 +8,7 @@ use super::{FrameValues, QUANTITIES};
 use crate::criteria::HUBER_CONSTANT;
 
 /// Linear model of the residuals near a frame offset.
+#[derive(Clone)]
 pub(super) struct Linear {
     /// Measured minus predicted, each scan whitened separately.
     pub(super) residuals: DVector<f64>,

@@ -14,7 +14,7 @@ use crate::scans::ScanEvidence;
 use crate::totals::Totals;
 
 /// Change of the calibration residuals, each scan whitened separately, by each effect of a library beside a fit of a
-/// model, shape [data, sizes] each. Effects that are equivalent to frame or clock are left out.
+/// model, shape [data, shapes] each. Effects that are equivalent to frame or clock are left out.
 ///
 /// # Errors
 /// If the fitted model cannot be simulated.
@@ -36,7 +36,7 @@ pub(super) fn rivals(
             let there = quick.residuals(&candidate.at(values), Split::Calibration).ok()?;
             Some(there.iter().zip(&usual).map(|(there, usual)| there - usual).collect())
         };
-        candidate.typical().filter_map(|probe| change(&probe.values)).collect()
+        candidate.of_each_shape().filter_map(|probe| change(&probe.values)).collect()
     };
     let rivals: Vec<Vec<Vec<f64>>> = effects.par_iter().map(changes).collect();
     Ok(rivals
