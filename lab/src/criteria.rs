@@ -77,7 +77,8 @@ criteria! {
     /// Minimum scatter of the exposed border, estimated from single pixels.
     BORDER_SCATTER_LEAST: f64 = 0.3, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
     /// Minimum standard deviation of the border's mean position along one tile.
-    BORDER_TILE_ERROR_LEAST: f64 = 0.5, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
+    BORDER_TILE_ERROR_LEAST: f64 = 0.5, "px",
+        "measured: parameters of 30 campaigns with nothing hidden (docs/diagnosis.md, step 3)";
     /// Minimum noise floor of the border's position.
     BORDER_FLOOR_LEAST: f64 = 0.5, "px",
         "chosen: one pixel does not determine a border's position better (docs/diagnosis.md, step 3)";
@@ -141,7 +142,7 @@ criteria! {
     RENEWED_FIT_DERIVATIVES: usize = 2, "1", "chosen: along the principal directions";
     /// Maximum number of steps in a fit that continues after its data were refined.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
-    /// χ² per datum above which a fit is restarted from other values.
+    /// χ² per independent datum above which a fit is restarted from other values.
     RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: one plus three times the error of noise from one repeat, 0.1";
     /// Maximum number of rough restarts of a calibration that are completed.
     RESTARTS_FITTED: usize = 2, "1", "chosen";

@@ -68,7 +68,7 @@ impl<'a> ScanEvidence<'a> {
         let rough = fit_roughly(self, &compiled)?;
         self.measure_simulation_errors(&rough.model)?;
         // A poor fit is no good start for the next one.
-        let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
+        let from = if rough.is_poor(self) { model.clone() } else { with_values(model, &rough) };
         let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
         self.renewed(calibration)
     }
@@ -79,12 +79,12 @@ impl<'a> ScanEvidence<'a> {
         !masks.is_empty() && masks.iter().all(|mask| mask.measured.exposed.iter().all(|seen| *seen != Some(true)))
     }
 
-    /// Continues a calibration with the lattice error at its best values.
+    /// Continues a calibration with the lattice error, and with frame and clock if logs were moved, at its best values.
     ///
     /// # Errors
     /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
-        if self.process().signal() == Signal::Dose {
+        if self.process().signal() == Signal::Dose && self.frame.is_none() {
             return Ok(calibration);
         }
         self.follow_frame(&calibration.last().fit)?;

@@ -27,6 +27,26 @@ fn more_cases_than_anyone_waits_for_are_refused() {
 }
 
 #[test]
+fn a_part_of_a_benchmark_runs_its_own_cases_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("bench");
+    let bench = |part: &str| {
+        let mut command = robofin(["bench", "diagnose", "--families", "N", "--cases", "4", "--out"]);
+        run(command.arg(&out).args(["--part", part]))
+    };
+    for wrong in ["0/2", "3/2", "2", "1/0", "a/b"] {
+        bench(wrong).is_refused(2, &["--part", wrong, "as in 2/8"]);
+    }
+    bench("3/4").succeeds();
+    let cases = names(&out);
+    assert!(cases.len() == 1 && cases[0].starts_with("N02"), "{cases:?}");
+    let written = || fs::metadata(out.join(&cases[0])).and_then(|file| file.modified()).expect("a file");
+    let before = written();
+    bench("3/4").succeeds();
+    assert_eq!((names(&out), written()), (cases.clone(), before), "finished cases are kept, and no table is written");
+}
+
+#[test]
 fn definitions_that_double_each_other_are_checked_at_once() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("own.toml");
