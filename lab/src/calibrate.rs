@@ -27,7 +27,7 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
     let coordinates = evidence.coordinates(model);
     let fitted = |model: &CompiledModel| Fit::new(evidence, model, coordinates.clone(), FitOptions::default());
     let first = fitted(&with_matched_rate(evidence, model)?)?;
-    if !first.is_poor(evidence) {
+    if !first.is_poor() {
         return Ok(first);
     }
     let quicker = evidence.quicker();

@@ -93,7 +93,7 @@ impl Fitted {
         // A good fit may still be in the wrong minimum: an effect of the wrong sign drives the stiffness far off.
         let best = ends(&[beside, matched, null.clone()]).into_iter().reduce(lower);
         let mut best = best.map_or_else(|| fit_from(&null), Ok)?;
-        if best.is_poor(evidence) {
+        if best.is_poor() {
             best = ends(&other_starts(evidence, own)).into_iter().fold(best, lower);
         }
         let fit = if best.chi2 <= before.chi2 { best } else { Fit { model: null, ..before.clone() } };

@@ -142,7 +142,7 @@ criteria! {
     RENEWED_FIT_DERIVATIVES: usize = 2, "1", "chosen: along the principal directions";
     /// Maximum number of steps in a fit that continues after its data were refined.
     RENEWED_FIT_STEPS: usize = 10, "1", "chosen";
-    /// χ² per independent datum above which a fit is restarted from other values.
+    /// χ² per datum above which a fit is restarted from other values.
     RESTART_CHI2_PER_DATUM: f64 = 1.3, "1", "chosen: one plus three times the error of noise from one repeat, 0.1";
     /// Maximum number of rough restarts of a calibration that are completed.
     RESTARTS_FITTED: usize = 2, "1", "chosen";

@@ -105,11 +105,6 @@ pub trait Evidence: Sync {
     /// If the model cannot be simulated.
     fn residuals(&self, model: &CompiledModel, split: Split) -> Result<Vec<f64>, EvidenceError>;
 
-    /// Number of independent ones among `count` calibration residuals: several tiles may show one stretch of a border.
-    fn independent(&self, count: usize) -> f64 {
-        count as f64
-    }
-
     /// The same data with a faster, approximate prediction; `None` if there is none.
     fn quicker(&self) -> Option<Box<dyn Totals + '_>> {
         None

@@ -36,8 +36,6 @@ pub struct ExposureView {
     odd: usize,
     distances: Vec<f64>,
     reach: f64,
-    /// Number of border stretches that the tiles locate.
-    stretches: f64,
     whitener: Whitener,
 }
 
@@ -60,14 +58,13 @@ impl ExposureView {
         let distances = border_distances(&tiles, &field, &border, reach);
         let error = (scatter / (side as f64).sqrt()).max(BORDER_TILE_ERROR_LEAST) * pixels.pitch;
         let sharing = sharing(&distances, side as f64 * pixels.pitch, reach);
-        let stretches = sharing.iter().map(|tiles| tiles.recip()).sum();
         let variances = sharing.into_iter().map(|tiles| tiles * error * error);
         let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
         let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -distances[k].away[axis]);
         let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[PART_SHIFT_SIGMA; 2]))?;
         let distances = distances.iter().map(|place| place.distance).collect();
         let scatter = scatter * pixels.pitch;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, stretches, whitener })
+        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
     }
 
     /// Least distance [m] that pixels of this pitch resolve: the scatter of the border, but at least half a pixel.
@@ -136,10 +133,6 @@ impl Observation for ExposureView {
 
     fn whitener(&self) -> &Whitener {
         &self.whitener
-    }
-
-    fn independent(&self) -> f64 {
-        self.stretches
     }
 
     /// Dose minus the exposure threshold.

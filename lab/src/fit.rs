@@ -218,8 +218,8 @@ impl Fit {
     }
 
     /// True if χ² is so large that there may be several local minima.
-    pub(super) fn is_poor(&self, evidence: &dyn Evidence) -> bool {
-        self.chi2 > RESTART_CHI2_PER_DATUM * evidence.independent(self.residuals.len())
+    pub(super) fn is_poor(&self) -> bool {
+        self.chi2_per_datum() > RESTART_CHI2_PER_DATUM
     }
 
     /// Robust sum of squares per datum.

@@ -72,11 +72,6 @@ pub trait Observation: Debug + Send + Sync {
         None
     }
 
-    /// Number of tiles with an error of their own.
-    fn independent(&self) -> f64 {
-        self.tiles().len() as f64
-    }
-
     /// Size of the removal that each tile shows, to which smooth errors are proportional [m].
     fn removed(&self, before: &HeightMap) -> Vec<f64>;
 

@@ -44,10 +44,6 @@ impl<P: Prediction> Evidence for Repredicted<'_, P> {
         self.data.process()
     }
 
-    fn independent(&self, count: usize) -> f64 {
-        self.data.independent(count)
-    }
-
     fn rows(&self) -> RowCounts {
         self.data.rows()
     }

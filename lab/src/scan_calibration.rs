@@ -68,7 +68,7 @@ impl<'a> ScanEvidence<'a> {
         let rough = fit_roughly(self, &compiled)?;
         self.measure_simulation_errors(&rough.model)?;
         // A poor fit is no good start for the next one.
-        let from = if rough.is_poor(self) { model.clone() } else { with_values(model, &rough) };
+        let from = if rough.is_poor() { model.clone() } else { with_values(model, &rough) };
         let calibration = Calibration::new(self, (&from, start), library, (order, done))?;
         self.renewed(calibration)
     }

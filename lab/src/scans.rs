@@ -196,10 +196,6 @@ impl Evidence for ScanEvidence<'_> {
         self.remembered((model, split, 1.0), || self.agreement_made(model, split))
     }
 
-    fn independent(&self, _count: usize) -> f64 {
-        self.of(Split::Calibration).map(|view| view.data.independent()).sum()
-    }
-
     fn quicker(&self) -> Option<Box<dyn Totals + '_>> {
         let simulation = self.coarse.as_ref()?;
         Some(Box::new(Repredicted { data: self, prediction: CoarseLattice { usual: self, simulation } }))

@@ -154,7 +154,7 @@ impl Contender for Suspect {
     /// If the fit stays poor, it is also restarted at the starting values of the base fit.
     fn completed(self, lattices: Lattices, base: &Fit) -> Self {
         let ended = self.mapped(lattices, REFINED_FIT).ended(lattices.usual);
-        if ended.fit.is_poor(lattices.usual) { ended.or_from_beginning(lattices.usual, base) } else { ended }
+        if ended.fit.is_poor() { ended.or_from_beginning(lattices.usual, base) } else { ended }
     }
 }
 
@@ -229,7 +229,7 @@ fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec
     suspects.par_iter_mut().filter(|suspect| may_win(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().ended(lattices.usual);
     });
-    if suspects.iter().all(|suspect| suspect.fit.is_poor(lattices.usual)) {
+    if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
         suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(lattices.usual, base)).collect();
     }
     suspects

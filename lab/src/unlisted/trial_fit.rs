@@ -81,7 +81,7 @@ impl Fitted {
     pub(crate) fn fitted_further(self, evidence: &dyn Evidence, base: &Fit) -> Self {
         let end = FitOptions { derivatives: REFINED_FIT_DERIVATIVES, steps: REFINED_FIT_STEPS };
         let fitted = self.refined(evidence, end);
-        if !fitted.fit.is_poor(evidence) {
+        if !fitted.fit.is_poor() {
             return fitted;
         }
         let last = FitOptions { derivatives: LAST_FIT_DERIVATIVES, steps: LAST_FIT_STEPS };
