@@ -1,6 +1,6 @@
 //! Effects of the library as competing explanations of residuals that a wrong frame or clock would also leave.
 
-use effects::{Library, Model, candidates};
+use effects::{Library, Model, Signal, candidates};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -14,7 +14,8 @@ use crate::scans::ScanEvidence;
 use crate::totals::Totals;
 
 /// Change of the calibration residuals, each scan whitened separately, by each effect of a library beside a fit of a
-/// model, shape [data, shapes] each. Effects that are equivalent to frame or clock are left out.
+/// model, shape [data, sizes] each. Masks show only a border, which an effect of another than its typical shape may move
+/// as an offset does; in scans, all shapes together would also explain a clock that is late. Effects that are equivalent to frame or clock are left out.
 ///
 /// # Errors
 /// If the fitted model cannot be simulated.
@@ -36,7 +37,11 @@ pub(super) fn rivals(
             let there = quick.residuals(&candidate.at(values), Split::Calibration).ok()?;
             Some(there.iter().zip(&usual).map(|(there, usual)| there - usual).collect())
         };
-        candidate.of_each_shape().filter_map(|probe| change(&probe.values)).collect()
+        let probes: Vec<_> = match evidence.process().signal() {
+            Signal::Height => candidate.typical().collect(),
+            Signal::Dose => candidate.of_each_shape().collect(),
+        };
+        probes.into_iter().filter_map(|probe| change(&probe.values)).collect()
     };
     let rivals: Vec<Vec<Vec<f64>>> = effects.par_iter().map(changes).collect();
     Ok(rivals
