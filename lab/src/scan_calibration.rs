@@ -79,12 +79,12 @@ impl<'a> ScanEvidence<'a> {
         !masks.is_empty() && masks.iter().all(|mask| mask.measured.exposed.iter().all(|seen| *seen != Some(true)))
     }
 
-    /// Continues a calibration with the lattice error, and with frame and clock if logs were moved, at its best values.
+    /// Continues a calibration with the lattice error at its best values.
     ///
     /// # Errors
     /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
-        if self.process().signal() == Signal::Dose && self.frame.is_none() {
+        if self.process().signal() == Signal::Dose {
             return Ok(calibration);
         }
         self.follow_frame(&calibration.last().fit)?;

@@ -131,12 +131,12 @@ mod tests {
 
     #[test]
     fn a_p_value_bounds_the_probability_of_noise_as_published() {
-        // Sellke, Bayarri and Berger 2001, table 1.
+        // Sellke, Bayarri and Berger 2001, table 1; at p = 0.2 it has 0.465, from an odds that was rounded to 0.87.
         for (p_value, published) in
-            [(0.2, 0.465), (0.1, 0.385), (0.05, 0.289), (0.01, 0.111), (0.005, 0.067), (0.001, 0.0184)]
+            [(0.2, 0.4667), (0.1, 0.385), (0.05, 0.289), (0.01, 0.111), (0.005, 0.067), (0.001, 0.0184)]
         {
             let found = least_null_probability(p_value);
-            assert!((found - published).abs() < 2e-3, "{p_value}: {found}");
+            assert!((found - published).abs() < 6e-4, "{p_value}: {found}");
         }
         assert_eq!([0.0, 0.4, 1.0].map(least_null_probability), [0.0, 0.5, 0.5]);
     }
