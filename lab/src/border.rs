@@ -6,8 +6,8 @@ use sdf_bake::PixelGrid;
 /// Border of the region in which a field is positive.
 #[derive(Clone, Debug)]
 pub struct Border {
-    /// Straight pieces, one or two in each square of four neighbouring pixels that the border crosses; a crossing
-    /// between squares with unknown pixels is a piece of no length.
+    /// Straight pieces: the crossings themselves, and one or two pieces in each square of four neighbouring pixels that
+    /// the border crosses.
     pieces: Vec<[DVec2; 2]>,
     crossings: usize,
 }
@@ -32,31 +32,22 @@ impl Border {
             let crosses = from.is_finite() && to.is_finite() && (from > 0.0) != (to > 0.0);
             crosses.then(|| pixels.position(a.0, a.1).lerp(pixels.position(b.0, b.1), from / (from - to)))
         };
-        let mut border = Self { pieces: Vec::new(), crossings: 0 };
-        let mut square_of = vec![false; 2 * field.len()];
-        for (i, j) in
-            (0..pixels.ny.saturating_sub(1)).flat_map(|j| (0..pixels.nx.saturating_sub(1)).map(move |i| (i, j)))
-        {
+        let places = |right: usize, up: usize| {
+            let columns = pixels.nx.saturating_sub(right);
+            (0..pixels.ny.saturating_sub(up)).flat_map(move |j| (0..columns).map(move |i| (i, j)))
+        };
+        let along = places(1, 0).filter_map(|(i, j)| crossing([(i, j), (i + 1, j)]));
+        let across = places(0, 1).filter_map(|(i, j)| crossing([(i, j), (i, j + 1)]));
+        // Crossings are pieces of no length: beside unknown pixels nothing joins them.
+        let mut pieces: Vec<[DVec2; 2]> = along.chain(across).map(|place| [place; 2]).collect();
+        let crossings = pieces.len();
+        pieces.extend(places(1, 1).flat_map(|(i, j)| {
             let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
             let values = corners.map(|(i, j)| field[pixels.at(i, j)]);
-            if values.iter().all(|value| value.is_finite()) {
-                let edges: [Option<DVec2>; 4] = std::array::from_fn(|k| crossing([corners[k], corners[(k + 1) % 4]]));
-                border.pieces.extend(pieces(edges, (values[0] > 0.0) == (values.iter().sum::<f64>() > 0.0)));
-                let own = [(i, j, 0), (i + 1, j, 1), (i, j + 1, 0), (i, j, 1)];
-                own.into_iter().for_each(|(i, j, along)| square_of[2 * pixels.at(i, j) + along] = true);
-            }
-        }
-        for (i, j) in (0..pixels.ny).flat_map(|j| (0..pixels.nx).map(move |i| (i, j))) {
-            let next = [(i + 1 < pixels.nx, (i + 1, j), 0), (j + 1 < pixels.ny, (i, j + 1), 1)];
-            for (_, to, along) in next.into_iter().filter(|(is_inside, ..)| *is_inside) {
-                let Some(place) = crossing([(i, j), to]) else { continue };
-                border.crossings += 1;
-                if !square_of[2 * pixels.at(i, j) + along] {
-                    border.pieces.push([place; 2]);
-                }
-            }
-        }
-        border
+            let edges = std::array::from_fn(|k| crossing([corners[k], corners[(k + 1) % 4]]));
+            pieces_between(edges, (values[0] > 0.0) == (values.iter().sum::<f64>() > 0.0))
+        }));
+        Self { pieces, crossings }
     }
 
     /// Number of pixel edges that the border crosses.
@@ -79,7 +70,7 @@ impl Border {
 
 /// Pieces of the border in a square, from the crossings of its four edges in turn. With four crossings the border
 /// cuts off two opposite corners: the first and third if these differ from the square's centre.
-fn pieces(edges: [Option<DVec2>; 4], first_is_like_centre: bool) -> Vec<[DVec2; 2]> {
+fn pieces_between(edges: [Option<DVec2>; 4], first_is_like_centre: bool) -> Vec<[DVec2; 2]> {
     let crossed: Vec<DVec2> = edges.into_iter().flatten().collect();
     match crossed[..] {
         [a, b] => vec![[a, b]],
