@@ -60,6 +60,7 @@ pub(super) fn bare_report(
     Ok(StudyReport {
         tests: failures.tests,
         covariates,
+        tiles: seen.as_ref().map(Seen::tiles).unwrap_or_default(),
         ..plain_report(data, model, seen.as_ref(), (waterfall, seed))?
     })
 }
@@ -84,6 +85,7 @@ pub(super) fn plain_report(
         scans: seen.map(Seen::scans).unwrap_or_default(),
         sections: seen.map(Seen::sections).unwrap_or_default(),
         covariates: Vec::new(),
+        tiles: Vec::new(),
         suspects: Vec::new(),
         unfitted: Vec::new(),
         parameters: Vec::new(),

@@ -244,6 +244,7 @@ impl Found<'_> {
             scans: Vec::new(),
             sections: Vec::new(),
             covariates: plots(&self.study, None, self.named),
+            tiles: Vec::new(),
             suspects: Vec::new(),
             unfitted: Vec::new(),
             parameters: parameters(model),

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::pass_tiles::PassTiles;
 use super::scan_data::{ComparedPass, CovariatePlot, PassVolume, ScanComparison, ScanSection, Waterfall};
 use super::unit_text::with_raised_powers;
 use lab::{
@@ -30,6 +31,8 @@ pub struct StudyReport {
     pub sections: Vec<ScanSection>,
     /// Residual over each covariate, which the simulator knows at each place.
     pub covariates: Vec<CovariatePlot>,
+    /// Residuals and covariates of the tiles of each scan, with the model of the maps; empty where nothing shows them.
+    pub tiles: Vec<PassTiles>,
     /// Effects that were fitted, by search, the most probable first.
     pub suspects: Vec<EffectSummary>,
     /// Effects that a search looked at and did not fit.

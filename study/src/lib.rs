@@ -28,6 +28,7 @@ mod ledger;
 mod maps;
 mod measurements;
 mod next_trial_files;
+mod pass_tiles;
 mod progress;
 mod proposal_files;
 mod proposal_step;
@@ -61,6 +62,7 @@ pub use ledger::{
 };
 pub use measurements::{Data, Measurements, aligned};
 pub use next_trial_files::{NEXT_TRIAL, NEXT_TRIAL_NAMES, write_next_trial};
+pub use pass_tiles::PassTiles;
 pub use progress::Progress;
 pub use proposal_files::{MODEL_WITH_PROPOSAL, PROPOSED_EFFECTS, write_proposal};
 pub use provenance::inputs_sha256;
@@ -72,6 +74,7 @@ pub use scan_data::{
 };
 pub use scan_figures::{ScanFigures, SectionFigures};
 pub use study_state::StudyState;
+pub use tile_covariates::covariate as tile_covariate;
 pub use unit_text::{superscript, with_raised_powers};
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::measurements::Data;
 use super::track::{Ground, Volume, line_of};
-use crate::{Direction, ExposureMaps, HeightMaps, Maps, PassVolume, ScanComparison, ScanSection};
+use crate::{Direction, ExposureMaps, HeightMaps, Maps, PassTiles, PassVolume, ScanComparison, ScanSection};
 use lab::Simulated;
 use lab::{ExposureView, HeightView, ScanEvidence, ScanView, Split};
 use trials::trial::Role;
@@ -66,6 +66,11 @@ impl<'a> Seen<'a> {
 }
 
 impl Seen<'_> {
+    /// Residuals and covariates of all tiles, with the last model.
+    pub fn tiles(&self) -> Vec<PassTiles> {
+        PassTiles::all(self.evidence, self.found.unwrap_or(self.base))
+    }
+
     /// Comparison of all scans with both models.
     pub fn scans(&self) -> Vec<ScanComparison> {
         let compare = |view: &ScanView| {

@@ -89,6 +89,7 @@ pub fn report(input: &ReportInput) -> Result<StudyReport> {
         scans: filled.scans,
         sections: filled.sections,
         covariates: filled.covariates,
+        tiles: Vec::new(),
         suspects: summary.suspects.clone(),
         unfitted: summary.unfitted.clone(),
         parameters: summary.parameters.clone(),

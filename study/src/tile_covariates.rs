@@ -48,7 +48,8 @@ pub fn study(evidence: &ScanEvidence, simulated: &Simulated, split: Split, seed:
     covariate_study(&fields, if masks { 0.0 } else { 1.0 }, seed)
 }
 
-fn field(evidence: &ScanEvidence, simulated: &Simulated, view: &ScanView) -> Option<CovariateField> {
+/// Residuals and covariates of the tiles that a pass worked on; `None` where its covariates were not simulated.
+pub(super) fn field(evidence: &ScanEvidence, simulated: &Simulated, view: &ScanView) -> Option<CovariateField> {
     let places = Places::new(evidence, simulated, view)?;
     let heights = || places.removed(view.data.as_heights()?);
     let (tiles, kept, residuals, sigmas) = heights().or_else(|| Some(places.exposed(view.data.as_exposure()?)))?;

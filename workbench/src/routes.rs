@@ -17,7 +17,7 @@ use crate::bench::{Bench, PAGE_FILE, Stage, Task};
 use crate::error::Refusal;
 use crate::home::Home;
 use crate::pages;
-use crate::part::{Line, PictureData, PictureRequest, drawn, probed, section};
+use crate::part::{Line, PictureData, PictureRequest, drawn, probed, region, section};
 use crate::place::Kind;
 
 /// Longest wait for a change; then the request is answered and the page asks again.
@@ -45,6 +45,7 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
         .route("/bench/{id}/frame", get(frame))
         .route("/bench/{id}/probe", get(probe))
         .route("/bench/{id}/section", get(cut))
+        .route("/bench/{id}/region", get(conditions))
         .with_state(home)
 }
 
@@ -203,4 +204,14 @@ async fn cut(
 ) -> Answer<Json<Value>> {
     let looked = looked_at(home, id).await?;
     Ok(Json(blocking(move || section(&looked, &asked, &line)).await?))
+}
+
+async fn conditions(
+    State(home): Of,
+    Path(id): Path<String>,
+    Query(asked): Query<PictureRequest>,
+    Query(corners): Query<Line>,
+) -> Answer<Json<Value>> {
+    let looked = looked_at(home, id).await?;
+    Ok(Json(region(&looked, &asked, &corners)?))
 }

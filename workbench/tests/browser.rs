@@ -127,6 +127,27 @@ fn bench(browser: &mut Browser) -> String {
     browser.value("document.getElementById('bench').dataset.address").as_str().unwrap().to_owned()
 }
 
+/// Drags a box over half of the track: each pass of the trial is listed, and conditions differ.
+fn region_is_looked_at(browser: &mut Browser) {
+    browser.click("#mark");
+    browser.value("document.getElementById('view').scrollIntoView()");
+    let [x, y] = browser.middle("#view");
+    browser.pointer([x - 90.0, y + 40.0], [x, y - 40.0]);
+    browser.until("document.querySelector('#region p[data-tiles]')", 30);
+    let tiles = browser.value("+document.querySelector('#region p').dataset.tiles").as_f64().unwrap();
+    let rows = |browser: &mut Browser, table: u32| {
+        let count = format!("document.querySelectorAll('#region table:nth-of-type({table}) tbody tr').length");
+        browser.value(&count).as_f64().unwrap()
+    };
+    let passes = browser.value("document.getElementById('pass').options.length").as_f64().unwrap();
+    assert!(tiles > 3.0, "{tiles} tiles");
+    assert_eq!((rows(browser, 1), rows(browser, 2)), (passes, 8.0));
+    let place = "document.querySelector('#region table:nth-of-type(2)').textContent.includes('place along x')";
+    assert_eq!(browser.value(place), true, "a box over one half lies at other x");
+    browser.value("document.getElementById('region').scrollIntoView()");
+    picture(browser, "workbench-region.png");
+}
+
 fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &Path) {
     browser.until("document.getElementById('whose').value === 'simulated'", 20);
     browser.value("document.getElementById('view').scrollIntoView()");
@@ -154,6 +175,7 @@ fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &
     assert!(rms > 0.1 && rms < 1e3, "{rms} µm along the section");
     browser.value("document.getElementById('view').scrollIntoView()");
     picture(browser, "workbench-part.png");
+    region_is_looked_at(browser);
     browser.click("#turn");
     let page = bench(browser);
     let answer = own(

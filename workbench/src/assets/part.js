@@ -1,11 +1,14 @@
-// The workpiece: drawn by the server while the pointer turns it, read by a click, cut along a line.
+// The workpiece: drawn by the server while the pointer turns it, read by a click, cut along a line; what is different
+// in a box.
 
 import { ask, find, make, number } from "./dom.js";
+import { regionTables } from "./region.js";
 
 const view = find("view");
 const WAIT = 160;
-// A moving picture that takes longer is drawn with half the pixels [ms].
-const SLOW = 95;
+// A moving picture has as many pixels as are drawn in this time [ms], but at least this share along each side.
+const MOVING = 80;
+const COARSEST = 0.3;
 const ABOVE = { azimuth: -90, elevation: 62, zoom: 1, right: 0, up: 0 };
 const LABELS = [
   ["xMm", "x", "mm"], ["yMm", "y", "mm"], ["zMm", "z", "mm"],
@@ -22,8 +25,9 @@ let later = 0;
 let coarse = 1;
 let bitmap = null;
 let line = null;
+let box = null;
 let mark = null;
-let cutting = false;
+let drags = "turn";
 let before = false;
 let trials = null;
 let drawn = 0;
@@ -48,6 +52,14 @@ const paint = () => {
       context.moveTo(...line[0]);
       context.lineTo(...line[1]);
       context.stroke();
+    }
+  }
+  if (box) {
+    const [[x0, y0], [x1, y1]] = box;
+    for (const [colour, width] of [["#fff", 4], ["#1c2330", 2]]) {
+      context.strokeStyle = colour;
+      context.lineWidth = width;
+      context.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
     }
   }
   if (mark) {
@@ -101,8 +113,11 @@ const draw = async (fine) => {
     view.dataset.frames = drawn;
     view.dataset.milliseconds = Math.round(performance.now() - since);
     view.dataset.fine = fine;
-    if (!fine) view.dataset.scale = scale;
-    if (!fine) coarse = performance.now() - since > SLOW ? 0.5 : coarse;
+    if (!fine) {
+      view.dataset.scale = scale;
+      const wanted = scale * Math.sqrt(MOVING / (performance.now() - since));
+      coarse = Math.min(1, Math.max(COARSEST, (coarse + wanted) / 2));
+    }
   } catch (error) {
     find("legend").replaceChildren(make("p", {}, error.message));
   }
@@ -115,7 +130,7 @@ const draw = async (fine) => {
 };
 
 const move = () => {
-  line = mark = null;
+  line = box = mark = null;
   draw(false);
   clearTimeout(later);
   later = setTimeout(() => draw(true), WAIT);
@@ -135,40 +150,55 @@ const probe = async ([x, y]) => {
 const read = async (place) => {
   mark = place;
   paint();
-  const box = find("reading");
+  const list = find("reading");
   try {
     const values = await probe(place);
     const known = LABELS.filter(([key]) => values[key] !== null && values[key] !== undefined);
     const cell = ([key, words, unit]) => make("div", {}, make("dt", {}, words),
       make("dd", { "data-key": key, "data-value": values[key] }, `${number(values[key])} ${unit}`));
-    box.replaceChildren(...known.map(cell));
+    list.replaceChildren(...known.map(cell));
   } catch (error) {
-    box.replaceChildren(make("dt", {}, error.message));
+    list.replaceChildren(make("dt", {}, error.message));
   }
 };
 
-/** Cuts along a line between two places [mm]. */
-const cut = async (ends) => {
-  const box = find("section");
+/** What the server says of two places [mm], which the form then shows. */
+const between = async (what, ends) => {
   const form = find("line");
   for (const [name, value] of Object.entries(ends)) form.elements[name].value = (+value).toFixed(3);
+  const size = { width: view.width, height: view.height, fine: false };
+  return (await ask(`${address}/${what}?${query({ ...size, ...ends })}`)).json();
+};
+
+/** Cuts along a line between two places. */
+const cut = async (ends) => {
+  const figure = find("section");
   try {
-    const size = { width: view.width, height: view.height, fine: false };
-    const made = await (await ask(`${address}/section?${query({ ...size, ...ends })}`)).json();
-    box.innerHTML = made.svg;
+    const made = await between("section", ends);
+    figure.innerHTML = made.svg;
     const words = `${made.words}: ${number(made.rmsUm)} \u00b5m root mean square is left, noise floor ${number(made.floorUm)} \u00b5m.`;
-    box.append(make("figcaption", { "data-rms": made.rmsUm }, words));
+    figure.append(make("figcaption", { "data-rms": made.rmsUm }, words));
   } catch (error) {
-    box.replaceChildren(make("figcaption", {}, error.message));
+    figure.replaceChildren(make("figcaption", {}, error.message));
   }
 };
 
-const cutBetween = async ([from, to]) => {
+/** Shows what is different in the box between two places. */
+const lookAt = async (ends) => {
+  try {
+    find("region").replaceChildren(...regionTables(await between("region", ends), trials));
+  } catch (error) {
+    find("region").replaceChildren(make("p", {}, error.message));
+  }
+};
+
+/** Does something with the places that two pixels show. */
+const withPlaces = async ([from, to], act, output) => {
   try {
     const [a, b] = await Promise.all([probe(from), probe(to)]);
-    await cut({ x0: a.xMm, y0: a.yMm, x1: b.xMm, y1: b.yMm });
+    await act({ x0: a.xMm, y0: a.yMm, x1: b.xMm, y1: b.yMm });
   } catch (error) {
-    find("section").replaceChildren(make("figcaption", {}, error.message));
+    find(output).replaceChildren(make("p", {}, error.message));
   }
 };
 
@@ -181,8 +211,9 @@ const drag = (start) => {
     const [dx, dy] = [x - from[0], y - from[1]];
     moved = moved || Math.hypot(dx, dy) > 4;
     if (!moved) return;
-    if (cutting) {
-      line = [from, [x, y]];
+    if (drags !== "turn") {
+      if (drags === "cut") line = [from, [x, y]];
+      else box = [from, [x, y]];
       paint();
     } else if (start.shiftKey || start.button === 2) {
       turn = { ...begun, right: begun.right + dx / view.height, up: begun.up - dy / view.height };
@@ -197,7 +228,8 @@ const drag = (start) => {
     view.removeEventListener("pointermove", follow);
     if (event.type !== "pointerup") return;
     if (!moved) read(from);
-    else if (cutting && line) cutBetween(line);
+    else if (drags === "cut" && line) withPlaces(line, cut, "section");
+    else if (drags === "mark" && box) withPlaces(box, lookAt, "region");
   };
   view.setPointerCapture(start.pointerId);
   view.addEventListener("pointermove", follow);
@@ -221,11 +253,10 @@ const press = (event) => {
   return move();
 };
 
-const setCutting = (on) => {
-  cutting = on;
-  find("cut").setAttribute("aria-pressed", on);
-  find("turn").setAttribute("aria-pressed", !on);
-  view.classList.toggle("cutting", on);
+const setDrag = (to) => {
+  drags = to;
+  for (const id of ["turn", "cut", "mark"]) find(id).setAttribute("aria-pressed", id === to);
+  view.classList.toggle("cutting", to !== "turn");
 };
 
 const showPasses = () => {
@@ -269,8 +300,7 @@ export const listen = (to) => {
   find("trial").addEventListener("change", () => { showPasses(); move(); });
   for (const id of ["pass", "mode", "whose"]) find(id).addEventListener("change", move);
   find("whose").addEventListener("change", () => { find("whose").dataset.kept = "yes"; });
-  find("turn").addEventListener("click", () => setCutting(false));
-  find("cut").addEventListener("click", () => setCutting(true));
+  for (const id of ["turn", "cut", "mark"]) find(id).addEventListener("click", () => setDrag(id));
   find("reset").addEventListener("click", () => { turn = { ...ABOVE }; move(); });
   find("before").addEventListener("click", () => {
     before = !before;
@@ -279,6 +309,7 @@ export const listen = (to) => {
   });
   find("line").addEventListener("submit", (event) => {
     event.preventDefault();
-    cut(Object.fromEntries(new FormData(event.target)));
+    const act = event.submitter?.value === "region" ? lookAt : cut;
+    act(Object.fromEntries(new FormData(event.target)));
   });
 };

@@ -3,7 +3,7 @@
 use effects::CompiledModel;
 use report::study::ColourScale;
 use sdf_bake::PixelGrid;
-use study::{ExposureMaps, HeightMaps, Maps, StudyReport};
+use study::{ExposureMaps, HeightMaps, Maps, PassTiles, StudyReport};
 
 use super::fields::{TrialFields, fields};
 use lab::{EvidenceError, ScanEvidence};
@@ -14,6 +14,8 @@ pub(crate) struct Live {
     pub(crate) trials: Vec<TrialFields>,
     /// One map for each scan.
     pub(crate) maps: Vec<ScanMap>,
+    /// Residuals and covariates of the tiles of each scan.
+    pub(crate) tiles: Vec<PassTiles>,
 }
 
 /// Residual map of one scan.
@@ -66,7 +68,7 @@ impl Live {
             Some(ScanMap::new((view.trial, view.pass), &scan.maps))
         };
         let maps = evidence.views.iter().filter_map(of).collect();
-        Ok(Self { trials: fields(&evidence.simulation, model)?, maps })
+        Ok(Self { trials: fields(&evidence.simulation, model)?, maps, tiles: report.tiles.clone() })
     }
 
     /// Returns the residual map of the scan after a pass.

@@ -60,6 +60,7 @@ fn part() -> Markup {
             div.controls {
                 button #turn type="button" aria-pressed="true" { "Turn and read" }
                 button #cut type="button" aria-pressed="false" { "Section: drag a line" }
+                button #mark type="button" aria-pressed="false" { "Region: drag a box" }
                 button #before type="button" aria-pressed="false" { "Before" }
                 button #reset type="button" { "From above" }
             }
@@ -68,9 +69,11 @@ fn part() -> Markup {
                 @for (name, words) in [("x0", "from x"), ("y0", "y"), ("x1", "to x"), ("y1", "y")] {
                     label { (words) " " input name=(name) type="number" step="any" required size="6"; " mm" }
                 }
-                button type="submit" { "Cut" }
+                button type="submit" value="cut" { "Cut" }
+                button type="submit" value="region" { "Look at the box" }
             }
             figure #section aria-live="polite" {}
+            div #region.scroll aria-live="polite" {}
         }
     }
 }

@@ -1,13 +1,15 @@
-//! The workpiece: pictures of its field, values at a pixel, sections along a line.
+//! The workpiece: pictures of its field, values at a pixel, sections along a line, conditions in a region.
 
 mod camera;
 mod paint;
 mod picture;
 mod probe;
+mod region;
 mod section;
 mod surfaces;
 
 pub(crate) use picture::{PictureData, PictureRequest, drawn};
 pub(crate) use probe::probed;
+pub(crate) use region::region;
 pub(crate) use section::{Line, section};
 pub(crate) use surfaces::Surfaces;

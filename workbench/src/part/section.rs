@@ -17,7 +17,7 @@ const MEASURED: Stroke = Stroke { colour: "#1c2330", dashed: false };
 const SIMULATED: Stroke = Stroke { colour: "#d55e00", dashed: true };
 const LEFT: Stroke = Stroke { colour: "#0072b2", dashed: false };
 
-/// End points of a section in the plane of the scan [mm].
+/// Two places in the plane of the scan [mm]: the ends of a section, or opposite corners of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub(crate) struct Line {
     x0: f64,
@@ -74,13 +74,20 @@ pub(crate) fn section(looked: &PictureData, asked: &PictureRequest, line: &Line)
     Ok(json!({ "svg": svg, "words": words, "rmsUm": rms, "floorUm": 1e6 * floor, "leftUm": along.left }))
 }
 
+impl Line {
+    /// Both places [m].
+    pub(super) fn ends(&self) -> [DVec2; 2] {
+        [1e-3 * DVec2::new(self.x0, self.y0), 1e-3 * DVec2::new(self.x1, self.y1)]
+    }
+}
+
 fn along(
     looked: &PictureData,
     asked: &PictureRequest,
     (map, left): (&ScanMap, &[f64]),
     line: &Line,
 ) -> Result<Along, Refusal> {
-    let (from, to) = (1e-3 * DVec2::new(line.x0, line.y0), 1e-3 * DVec2::new(line.x1, line.y1));
+    let [from, to] = line.ends();
     let length = from.distance(to);
     if !(length.is_finite() && length > 0.0) {
         return Err(Refusal::wrong("a line between two places is expected"));
