@@ -1,7 +1,7 @@
 //! Content of the served folder, and the benches opened on it.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::bench::Bench;
@@ -31,9 +31,20 @@ impl Home {
         self.out.display().to_string()
     }
 
+    /// Returns the path of the served folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Lists the current content of the folder; the second value is true if the list is incomplete.
     pub(crate) fn places(&self) -> (Vec<Place>, bool) {
         places(&self.folder)
+    }
+
+    /// Returns the address of the page of a campaign that holds a trial; the list if there is none.
+    pub(crate) fn address_of(&self, trial: &Path) -> String {
+        let holds = |place: &&Place| place.kind == Kind::Campaign && trial.parent() == Some(&place.path);
+        self.places().0.iter().find(holds).map_or("/".to_owned(), |place| format!("/bench/{}", place.id))
     }
 
     /// Finds a place by its id in addresses.

@@ -12,6 +12,7 @@
 //! fetch nothing from the network, and the crate prints nothing.
 
 mod bench;
+mod drop;
 mod error;
 mod guard;
 mod home;

@@ -3,17 +3,19 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Path, Query, State};
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName};
 use axum::response::{Html, IntoResponse, Response};
-use axum::routing::{get, post};
+use axum::routing::{get, post, put};
 use axum::{Json, Router};
 use files::input::{self, MOST_TEXT_BYTES};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, PAGE_FILE, Stage, Task};
+use crate::drop::{Draft, TrialPlace};
 use crate::error::Refusal;
 use crate::home::Home;
 use crate::pages;
@@ -22,6 +24,8 @@ use crate::place::Kind;
 
 /// Longest wait for a change; then the request is answered and the page asks again.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Greatest size of a dropped file [bytes].
+const MOST_DROPPED_BYTES: usize = 1 << 30;
 /// Content security policy of a report: it runs its own script and loads nothing.
 const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                              img-src data:; sandbox allow-scripts";
@@ -46,6 +50,10 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
         .route("/bench/{id}/probe", get(probe))
         .route("/bench/{id}/section", get(cut))
         .route("/bench/{id}/region", get(conditions))
+        .route("/drop/begin", post(drop_begin))
+        .route("/drop/file", put(drop_file).layer(DefaultBodyLimit::max(MOST_DROPPED_BYTES)))
+        .route("/drop/draft", post(drop_draft))
+        .route("/drop/save", post(drop_save))
         .with_state(home)
 }
 
@@ -214,4 +222,47 @@ async fn conditions(
 ) -> Answer<Json<Value>> {
     let looked = looked_at(home, id).await?;
     Ok(Json(region(&looked, &asked, &corners)?))
+}
+
+async fn drop_begin(State(home): Of, Query(place): Query<TrialPlace>) -> Answer<StatusCode> {
+    blocking(move || place.begin(home.folder())).await?;
+    Ok(StatusCode::CREATED)
+}
+
+/// Name of a dropped file.
+#[derive(Deserialize)]
+struct Dropped {
+    file: String,
+}
+
+async fn drop_file(
+    State(home): Of,
+    Query(place): Query<TrialPlace>,
+    Query(Dropped { file }): Query<Dropped>,
+    bytes: Bytes,
+) -> Answer<StatusCode> {
+    blocking(move || place.keep(home.folder(), &file, &bytes)).await?;
+    Ok(StatusCode::CREATED)
+}
+
+async fn drop_draft(State(home): Of, Query(place): Query<TrialPlace>) -> Answer<Json<Draft>> {
+    Ok(Json(blocking(move || place.draft(home.folder())).await?))
+}
+
+/// Text of a `trial.toml`.
+#[derive(Deserialize)]
+struct Corrected {
+    text: String,
+}
+
+async fn drop_save(
+    State(home): Of,
+    Query(place): Query<TrialPlace>,
+    Json(Corrected { text }): Json<Corrected>,
+) -> Answer<Json<Value>> {
+    let save = move || {
+        let (kept, findings) = place.save(home.folder(), &text)?;
+        Ok(json!({ "address": home.address_of(&kept), "findings": findings }))
+    };
+    Ok(Json(blocking(save).await?))
 }

@@ -109,6 +109,7 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     browser.open(&server.url);
     assert_eq!(browser.value("location.search"), "", "the token stands in no address");
     picture(&mut browser, "workbench-home.png");
+    files_are_dropped(&mut browser, &campaigns, &server.url);
     browser.click("a[href^='/bench/']");
     browser.until("document.getElementById('view')?.dataset.frames > 0", PATIENCE);
     settled(&mut browser, 1);
@@ -120,6 +121,38 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     picture_on_a_phone(&mut browser);
     assert_eq!(browser.console, [""; 0], "the console");
     everything_is_there_after_the_server_was_ended(&mut browser, &campaigns, &out);
+}
+
+/// Drops the files of a trial on the first page, reads the draft, and keeps the trial with its own `trial.toml`.
+fn files_are_dropped(browser: &mut Browser, folder: &Path, url: &str) {
+    let source = bundled().join("trial-2");
+    let mut files = Vec::new();
+    for entry in fs::read_dir(&source).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name != "trial.toml" {
+            files.push(json!([name, fs::read_to_string(source.join(&name)).unwrap()]));
+        }
+    }
+    let dropped = format!(
+        "(() => {{ const data = new DataTransfer();
+        for (const [name, text] of {}) data.items.add(new File([text], name));
+        document.getElementById('drop').dispatchEvent(new DragEvent('drop', {{ dataTransfer: data }})); }})()",
+        json!(files)
+    );
+    browser.value(&dropped);
+    browser
+        .value("document.getElementById('campaign').value = 'second'; document.getElementById('trial').value = 'two'");
+    browser.click("#files button");
+    browser.until("!document.getElementById('draft').hidden", 60);
+    picture(browser, "workbench-drop.png");
+    let draft = browser.value("document.getElementById('draft-text').value");
+    assert!(draft.as_str().unwrap().contains("before.csv"), "{draft}");
+    let own = json!(fs::read_to_string(source.join("trial.toml")).unwrap());
+    browser.value(&format!("document.getElementById('draft-text').value = {own}"));
+    browser.click("#draft button");
+    browser.until("document.getElementById('open-trial')?.getAttribute('href').startsWith('/bench/')", 60);
+    assert!(folder.join("second").join("two").join("trial.toml").is_file());
+    browser.open(url);
 }
 
 /// Returns the page's address of the bench.

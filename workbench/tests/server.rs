@@ -26,6 +26,8 @@ fn no_request_without_the_token_is_answered() {
         ("GET /?token=ffffffffffffffffffffffffffffffff", host.clone()),
         ("POST /bench/000000000000/task", format!("{host}{cookie}")),
         ("POST /bench/000000000000/task", foreign.clone()),
+        ("POST /drop/begin?campaign=&trial=x", foreign.clone()),
+        ("PUT /drop/file?campaign=&trial=x&file=y", host.clone()),
         ("GET /", foreign),
         ("GET /", rebound),
     ];
@@ -142,4 +144,48 @@ fn formulas_are_checked_as_they_are_typed() {
     assert!(wrong["fault"].is_string(), "{wrong}");
     let unread = check("rate * (");
     assert!(unread["fault"].is_string(), "{unread}");
+}
+
+#[test]
+fn dropped_files_become_a_trial_once_they_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = serve(folder.path(), &folder.path().join("out"));
+    let ask = |what: &str, body: &str| own(server.address, what, body);
+    let place = "campaign=new%20wheel&trial=plate-1";
+    assert_eq!(ask(&format!("PUT /drop/file?{place}&file=before.csv"), "1").status, 409, "nothing was begun");
+    for hostile in ["campaign=..&trial=x", "campaign=&trial=..%2Fx", "campaign=a&trial="] {
+        let answer = ask(&format!("POST /drop/begin?{hostile}"), "");
+        assert!(answer.status == 422 && answer.body.contains("accepted"), "{hostile}: {}", answer.body);
+    }
+    assert_eq!(ask(&format!("POST /drop/begin?{place}"), "").status, 201);
+    let empty = ask(&format!("POST /drop/draft?{place}"), "");
+    assert!(empty.status == 422 && !empty.body.contains(".robofin-dropped"), "{}", empty.body);
+    let source = bundled().join("trial-1");
+    for entry in fs::read_dir(&source).unwrap() {
+        let (name, path) = (entry.as_ref().unwrap().file_name(), entry.unwrap().path());
+        if name != "trial.toml" {
+            let text = fs::read_to_string(path).unwrap();
+            let line = format!("PUT /drop/file?{place}&file={}", name.to_str().unwrap());
+            assert_eq!(ask(&line, &text).status, 201, "{line}");
+        }
+    }
+    assert_eq!(ask(&format!("PUT /drop/file?{place}&file=..%2Fx.csv"), "1").status, 422);
+    let draft = ask(&format!("POST /drop/draft?{place}"), "");
+    let draft: Value = serde_json::from_str(&draft.body).unwrap_or_else(|_| panic!("{}", draft.body));
+    assert!(draft["text"].as_str().unwrap().contains("before.csv"), "{draft}");
+    assert!(!draft["open"].as_array().unwrap().is_empty(), "the tool is in no file");
+    let save = |text: &str| ask(&format!("POST /drop/save?{place}"), &serde_json::json!({ "text": text }).to_string());
+    let broken = save("format = 7");
+    assert!(broken.status == 422 && broken.body.contains("trial.toml"), "{}", broken.body);
+    let kept = folder.path().join("new wheel").join("plate-1");
+    assert!(!kept.exists(), "what cannot be read is kept aside");
+    let saved = save(&fs::read_to_string(source.join("trial.toml")).unwrap());
+    assert_eq!(saved.status, 200, "{}", saved.body);
+    assert!(saved.body.contains("/bench/"), "{}", saved.body);
+    for entry in fs::read_dir(&source).unwrap() {
+        let name = entry.unwrap().file_name();
+        assert_eq!(fs::read(source.join(&name)).unwrap(), fs::read(kept.join(&name)).unwrap(), "{name:?}");
+    }
+    assert!(!folder.path().join(".robofin-dropped").exists());
+    assert!(ask(&format!("POST /drop/begin?{place}"), "").body.contains("exists"));
 }

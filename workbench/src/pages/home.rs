@@ -17,19 +17,43 @@ pub(crate) fn home(home: &Home) -> Markup {
                 @let own: Vec<&Place> = places.iter().filter(|place| place.kind == kind).collect();
                 @if !own.is_empty() { (list(heading, &own)) }
             }
+            (drop())
             @if is_cut { p { "The folder holds more folders than are looked through; start the workbench in one below." } }
             p.fine { "What is tried is kept in " code { (home.out()) } "." }
         }
     };
-    document(&home.title(), None, content)
+    document(&home.title(), Some("home.js"), content)
 }
 
 fn empty() -> Markup {
     html! {
         p { "No trials, studies, assets or data sets are here, or in the four folders below." }
         p {
-            "From two scans and a log a trial begins with " code { "robofin trial init FOLDER" }
-            "; an example to try is made by " code { "robofin trial synth --size small --out trials" } "."
+            "An example to try is made by " code { "robofin trial synth --size small --out trials" } "."
+        }
+    }
+}
+
+/// Builds the forms for a trial from files.
+fn drop() -> Markup {
+    html! {
+        section #drop aria-labelledby="drop-heading" {
+            h2 #drop-heading { "Begin a trial" }
+            p { "Drop the scans and logs of one trial here: the surface before, a repeat if there is one, and of each pass "
+                "the log and the scan after it." }
+            form #files.controls {
+                label { "Campaign " input #campaign type="text" autocomplete="off" placeholder="this folder"; }
+                label { "Trial " input #trial type="text" autocomplete="off" required placeholder="plate-7"; }
+                label { "Files " input #chosen type="file" multiple; }
+                button type="submit" { "Look at the files" }
+            }
+            div #drop-said role="status" aria-live="polite" {}
+            form #draft hidden {
+                div #draft-seen {}
+                label for="draft-text" { "trial.toml, as far as the files say" }
+                textarea #draft-text rows="24" spellcheck="false" {}
+                button type="submit" { "Keep the trial" }
+            }
         }
     }
 }
