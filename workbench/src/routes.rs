@@ -166,17 +166,18 @@ async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
     Ok(([kind, (CONTENT_DISPOSITION, "attachment; filename=\"replay.sh\"")], text).into_response())
 }
 
-/// Collects the data for pictures: scans and current model.
-async fn looked_at(home: Arc<Home>, id: String) -> Answer<PictureData> {
+/// Collects the data for pictures: the scans, and a model, by default the current one.
+async fn looked_at(home: Arc<Home>, id: String, model: Option<usize>) -> Answer<PictureData> {
     let bench = bench_of(home, id).await?;
     bench.shared.read(|state| {
         let surfaces = state.surfaces().ok_or_else(|| Refusal::early("there are no surfaces to look at yet"))?;
-        Ok(PictureData { surfaces, live: state.current().and_then(|stage| stage.live()) })
+        let stage = model.map_or_else(|| state.current(), |number| state.stage(number));
+        Ok(PictureData { surfaces, live: stage.and_then(|stage| stage.live()) })
     })
 }
 
 async fn frame(State(home): Of, Path(id): Path<String>, Query(asked): Query<PictureRequest>) -> Answer<Response> {
-    let looked = looked_at(home, id).await?;
+    let looked = looked_at(home, id, asked.model).await?;
     let (png, legend) = blocking(move || drawn(&looked, &asked)).await?;
     // Header values are ASCII: other characters are escaped as in JSON.
     let legend: String = legend.to_string().chars().map(escaped).collect();
@@ -200,7 +201,7 @@ async fn probe(
     Query(asked): Query<PictureRequest>,
     Query(Pixel { x, y }): Query<Pixel>,
 ) -> Answer<Json<Value>> {
-    let looked = looked_at(home, id).await?;
+    let looked = looked_at(home, id, asked.model).await?;
     Ok(Json(blocking(move || probed(&looked, &asked, (x, y))).await?))
 }
 
@@ -210,7 +211,7 @@ async fn cut(
     Query(asked): Query<PictureRequest>,
     Query(line): Query<Line>,
 ) -> Answer<Json<Value>> {
-    let looked = looked_at(home, id).await?;
+    let looked = looked_at(home, id, asked.model).await?;
     Ok(Json(blocking(move || section(&looked, &asked, &line)).await?))
 }
 
@@ -220,7 +221,7 @@ async fn conditions(
     Query(asked): Query<PictureRequest>,
     Query(corners): Query<Line>,
 ) -> Answer<Json<Value>> {
-    let looked = looked_at(home, id).await?;
+    let looked = looked_at(home, id, asked.model).await?;
     Ok(Json(region(&looked, &asked, &corners)?))
 }
 

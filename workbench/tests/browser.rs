@@ -115,6 +115,7 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     settled(&mut browser, 1);
     part_is_turned_read_and_cut(&mut browser, &server, &campaigns);
     effect_is_added(&mut browser, &campaign);
+    two_models_are_compared(&mut browser);
     slider_is_dragged(&mut browser);
     formula_is_typed(&mut browser);
     report_is_the_calibration(&mut browser, &out);
@@ -269,6 +270,26 @@ fn effect_is_added(browser: &mut Browser, campaign: &Path) {
     browser.click("#redo");
     settled(browser, 2);
     assert_eq!(shown_error(browser), with);
+}
+
+/// Shows the model before beside the current one: the pictures differ, because the error is lower.
+fn two_models_are_compared(browser: &mut Browser) {
+    browser.value("document.getElementById('view').scrollIntoView()");
+    assert_eq!(browser.value("document.getElementById('beside').options.length"), 2);
+    browser.value(
+        "(() => { const one = document.getElementById('beside'); one.value = '1'; one.dispatchEvent(new Event('change')); })()",
+    );
+    browser.until("document.getElementById('other').dataset.model === '1'", 60);
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    let differ = "(() => { const pixels = ['view', 'other'].map((id) =>
+            document.getElementById(id).getContext('2d').getImageData(0, 0, 640, 480).data);
+        return pixels[0].filter((value, at) => Math.abs(value - pixels[1][at]) > 20).length; })()";
+    let differ = browser.value(differ).as_f64().unwrap();
+    assert!(differ > 1000.0, "{differ} values of 640 × 480 × 4 differ");
+    picture(browser, "workbench-beside.png");
+    browser.value(
+        "(() => { const one = document.getElementById('beside'); one.value = ''; one.dispatchEvent(new Event('change')); })()",
+    );
 }
 
 fn slider_is_dragged(browser: &mut Browser) {

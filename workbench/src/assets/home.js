@@ -27,6 +27,8 @@ const showDraft = ({ text, seen, open }) => {
   find("draft-text").value = text;
   find("draft").hidden = false;
   find("draft-text").focus();
+  find("draft-text").setSelectionRange(0, 0);
+  find("draft-text").scrollTop = 0;
 };
 
 const send = async (event) => {

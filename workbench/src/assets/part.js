@@ -93,6 +93,32 @@ const showLegend = (legend) => {
   box.append(make("div", { className: "ends" }, ...shown.map((value) => make("span", {}, number(value, 2)))));
 };
 
+/** Draws the same view of the other model. */
+const paintOther = async (size) => {
+  const other = find("other");
+  if (other.hidden) return;
+  const answer = await ask(`${address}/frame?${query({ ...size, model: find("beside").value })}`);
+  other.getContext("2d").drawImage(await createImageBitmap(await answer.blob()), 0, 0, other.width, other.height);
+  other.dataset.model = find("beside").value;
+};
+
+/** Lists the models that can be drawn beside the current one. */
+const showBeside = (state) => {
+  const select = find("beside");
+  const own = select.value;
+  const models = state.stages.filter((stage) => state.drawable.includes(stage.number) && stage.number !== state.current);
+  const options = models.map((stage) => make("option", { value: stage.number }, `model ${stage.number}: ${stage.label}`));
+  select.replaceChildren(make("option", { value: "" }, "nothing"), ...options);
+  select.value = models.some((stage) => String(stage.number) === own) ? own : "";
+  setBeside();
+};
+
+const setBeside = () => {
+  const two = find("beside").value !== "";
+  find("other").hidden = !two;
+  find("views").classList.toggle("two", two);
+};
+
 /** Draws one picture; while it is made, only the last wish waits. */
 const draw = async (fine) => {
   if (!address || !trials) return;
@@ -109,6 +135,7 @@ const draw = async (fine) => {
     showLegend(JSON.parse(answer.headers.get("x-legend")));
     bitmap = await createImageBitmap(await answer.blob());
     paint();
+    await paintOther(size);
     drawn += 1;
     view.dataset.frames = drawn;
     view.dataset.milliseconds = Math.round(performance.now() - since);
@@ -278,6 +305,7 @@ export const show = (state) => {
     if (!state.isLive) find("whose").value = "measured";
   }
   if (state.isLive && find("whose").dataset.kept !== "yes") find("whose").value = "simulated";
+  showBeside(state);
   const shown = `${state.current} ${state.isLive}`;
   if (view.dataset.shown !== shown) {
     view.dataset.shown = shown;
@@ -300,6 +328,7 @@ export const listen = (to) => {
   find("trial").addEventListener("change", () => { showPasses(); move(); });
   for (const id of ["pass", "mode", "whose"]) find(id).addEventListener("change", move);
   find("whose").addEventListener("change", () => { find("whose").dataset.kept = "yes"; });
+  find("beside").addEventListener("change", () => { setBeside(); move(); });
   for (const id of ["turn", "cut", "mark"]) find(id).addEventListener("click", () => setDrag(id));
   find("reset").addEventListener("click", () => { turn = { ...ABOVE }; move(); });
   find("before").addEventListener("click", () => {

@@ -209,6 +209,8 @@ impl State {
             })),
             "waiting": self.waiting,
             "current": self.trail.current(),
+            "drawable": self.stages.iter().filter(|stage| stage.live().is_some()).map(|stage| stage.record.number)
+                .collect::<Vec<_>>(),
             "canUndo": self.trail.can_undo(),
             "canRedo": self.trail.can_redo(),
             "stages": self.stages.iter().map(|stage| stage.record.to_json()).collect::<Vec<_>>(),

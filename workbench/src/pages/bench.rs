@@ -53,9 +53,12 @@ fn part() -> Markup {
                 label { "surface " select #whose {
                     option value="simulated" { "simulated" } option value="measured" { "measured" }
                 } }
+                label { "beside " select #beside { option value="" { "nothing" } } }
             }
-            canvas #view width="640" height="480" tabindex="0" role="img"
+            div #views { canvas #view width="640" height="480" tabindex="0" role="img"
                 aria-label="The workpiece. Arrow keys turn it, plus and minus zoom, Enter reads the middle." {}
+                canvas #other width="640" height="480" role="img" hidden aria-label="The same view with another model" {}
+            }
             div #legend aria-label="legend" {}
             div.controls {
                 button #turn type="button" aria-pressed="true" { "Turn and read" }

@@ -50,6 +50,8 @@ pub(crate) enum SurfaceSource {
 /// Request for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub(crate) struct PictureRequest {
+    /// Number of the model; `None` for the current one.
+    pub(crate) model: Option<usize>,
     /// Index of the trial, from 0.
     pub(crate) trial: usize,
     /// Number of passes done.
@@ -76,12 +78,12 @@ pub(crate) struct PictureRequest {
     pub(crate) fine: bool,
 }
 
-/// Data for pictures: the scans, and the simulated model if there is one.
+/// Data for pictures: the scans, and the requested model if it is simulated.
 #[derive(Clone)]
 pub(crate) struct PictureData {
     /// Scanned surfaces.
     pub(crate) surfaces: Arc<Surfaces>,
-    /// Fields and maps of the current model.
+    /// Fields and maps of the model.
     pub(crate) live: Option<Arc<Live>>,
 }
 
