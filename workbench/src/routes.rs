@@ -19,7 +19,7 @@ use crate::drop::{Draft, TrialPlace};
 use crate::error::Refusal;
 use crate::home::Home;
 use crate::pages;
-use crate::part::{Line, PictureData, PictureRequest, drawn, probed, region, section};
+use crate::part::{Line, PictureData, PictureRequest, drawn, motion, probed, region, section};
 use crate::place::Kind;
 
 /// Longest wait for a change; then the request is answered and the page asks again.
@@ -50,6 +50,7 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
         .route("/bench/{id}/probe", get(probe))
         .route("/bench/{id}/section", get(cut))
         .route("/bench/{id}/region", get(conditions))
+        .route("/bench/{id}/motion", get(way))
         .route("/drop/begin", post(drop_begin))
         .route("/drop/file", put(drop_file).layer(DefaultBodyLimit::max(MOST_DROPPED_BYTES)))
         .route("/drop/draft", post(drop_draft))
@@ -223,6 +224,11 @@ async fn conditions(
 ) -> Answer<Json<Value>> {
     let looked = looked_at(home, id, asked.model).await?;
     Ok(Json(region(&looked, &asked, &corners)?))
+}
+
+async fn way(State(home): Of, Path(id): Path<String>, Query(asked): Query<PictureRequest>) -> Answer<Json<Value>> {
+    let looked = looked_at(home, id, asked.model).await?;
+    Ok(Json(motion(&looked, &asked)?))
 }
 
 async fn drop_begin(State(home): Of, Query(place): Query<TrialPlace>) -> Answer<StatusCode> {

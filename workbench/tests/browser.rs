@@ -161,6 +161,26 @@ fn bench(browser: &mut Browser) -> String {
     browser.value("document.getElementById('bench').dataset.address").as_str().unwrap().to_owned()
 }
 
+/// Shows the way of the tool, and moves its bar to the middle of the pass: the force is that of the log.
+fn tool_moves_along_its_way(browser: &mut Browser) {
+    browser.click("#way");
+    browser.until("!document.getElementById('time').hidden", 30);
+    browser.value(
+        "(() => { const bar = document.getElementById('moment'); bar.value = bar.max / 2;
+        bar.dispatchEvent(new Event('input')); })()",
+    );
+    let moments = browser.value("+document.getElementById('moment').max").as_f64().unwrap();
+    let force = browser.value("+document.getElementById('moment-words').dataset.force").as_f64().unwrap();
+    let log = fs::read_to_string(bundled().join("trial-1").join("pass2_log.csv")).unwrap();
+    let column = log.lines().next().unwrap().split(',').position(|name| name == "force_n").unwrap();
+    let forces: Vec<f64> =
+        log.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect();
+    assert!(moments > 50.0 && forces.contains(&force), "{force} N of {moments} moments");
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    picture(browser, "workbench-way.png");
+    browser.click("#way");
+}
+
 /// Drags a box over half of the track: each pass of the trial is listed, and conditions differ.
 fn region_is_looked_at(browser: &mut Browser) {
     browser.click("#mark");
@@ -209,6 +229,7 @@ fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &
     assert!(rms > 0.1 && rms < 1e3, "{rms} µm along the section");
     browser.value("document.getElementById('view').scrollIntoView()");
     picture(browser, "workbench-part.png");
+    tool_moves_along_its_way(browser);
     region_is_looked_at(browser);
     browser.click("#turn");
     let page = bench(browser);
@@ -276,11 +297,14 @@ fn effect_is_added(browser: &mut Browser, campaign: &Path) {
 fn two_models_are_compared(browser: &mut Browser) {
     browser.value("document.getElementById('view').scrollIntoView()");
     assert_eq!(browser.value("document.getElementById('beside').options.length"), 2);
+    let frames = browser.value("+document.getElementById('view').dataset.frames").as_f64().unwrap();
     browser.value(
         "(() => { const one = document.getElementById('beside'); one.value = '1'; one.dispatchEvent(new Event('change')); })()",
     );
-    browser.until("document.getElementById('other').dataset.model === '1'", 60);
-    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    // A picture that was under way, a coarse one and a fine one.
+    let drawn = format!("+document.getElementById('view').dataset.frames >= {frames} + 2");
+    browser.until(&format!("{drawn} && document.getElementById('view').dataset.fine === 'true'"), 60);
+    assert_eq!(browser.value("document.getElementById('other').dataset.model"), "1");
     let differ = "(() => { const pixels = ['view', 'other'].map((id) =>
             document.getElementById(id).getContext('2d').getImageData(0, 0, 640, 480).data);
         return pixels[0].filter((value, at) => Math.abs(value - pixels[1][at]) > 20).length; })()";

@@ -2,6 +2,7 @@
 // in a box.
 
 import { ask, find, make, number } from "./dom.js";
+import { askMotion, paintMotion } from "./motion.js";
 import { regionTables } from "./region.js";
 
 const view = find("view");
@@ -43,6 +44,7 @@ const query = (extra) => {
 const paint = () => {
   const context = view.getContext("2d");
   if (bitmap) context.drawImage(bitmap, 0, 0, view.width, view.height);
+  paintMotion(context);
   context.lineWidth = 2;
   if (line) {
     for (const [colour, width] of [["#fff", 4], ["#1c2330", 2]]) {
@@ -131,7 +133,8 @@ const draw = async (fine) => {
   const scale = fine ? 1 : coarse;
   const size = { width: Math.round(view.width * scale), height: Math.round(view.height * scale), fine };
   try {
-    const answer = await ask(`${address}/frame?${query(size)}`);
+    const whole = query({ width: view.width, height: view.height, fine });
+    const [answer] = await Promise.all([ask(`${address}/frame?${query(size)}`), askMotion(address, whole)]);
     showLegend(JSON.parse(answer.headers.get("x-legend")));
     bitmap = await createImageBitmap(await answer.blob());
     paint();
@@ -331,6 +334,11 @@ export const listen = (to) => {
   find("beside").addEventListener("change", () => { setBeside(); move(); });
   for (const id of ["turn", "cut", "mark"]) find(id).addEventListener("click", () => setDrag(id));
   find("reset").addEventListener("click", () => { turn = { ...ABOVE }; move(); });
+  find("moment").addEventListener("input", paint);
+  find("way").addEventListener("click", () => {
+    find("way").setAttribute("aria-pressed", find("way").getAttribute("aria-pressed") !== "true");
+    move();
+  });
   find("before").addEventListener("click", () => {
     before = !before;
     find("before").setAttribute("aria-pressed", before);

@@ -64,8 +64,14 @@ fn part() -> Markup {
                 button #turn type="button" aria-pressed="true" { "Turn and read" }
                 button #cut type="button" aria-pressed="false" { "Section: drag a line" }
                 button #mark type="button" aria-pressed="false" { "Region: drag a box" }
+                button #way type="button" aria-pressed="false" { "Way of the tool" }
                 button #before type="button" aria-pressed="false" { "Before" }
                 button #reset type="button" { "From above" }
+            }
+            div #time hidden {
+                input #moment type="range" min="0" max="0" step="1" value="0" aria-label="moment of the pass";
+                canvas #force width="640" height="70" role="img" {}
+                p #moment-words role="status" {}
             }
             dl #reading aria-live="polite" { dt { "Click on the part to read values." } }
             form #line.controls {

@@ -21,6 +21,7 @@ pub(crate) fn asset(name: &str) -> Option<(&'static str, String)> {
         "part.js" => (SCRIPT, include_str!("../assets/part.js").to_owned()),
         "home.js" => (SCRIPT, include_str!("../assets/home.js").to_owned()),
         "panels.js" => (SCRIPT, include_str!("../assets/panels.js").to_owned()),
+        "motion.js" => (SCRIPT, include_str!("../assets/motion.js").to_owned()),
         "region.js" => (SCRIPT, include_str!("../assets/region.js").to_owned()),
         "dom.js" => (SCRIPT, include_str!("../assets/dom.js").to_owned()),
         _ => return None,

@@ -1,6 +1,8 @@
-//! The workpiece: pictures of its field, values at a pixel, sections along a line, conditions in a region.
+//! The workpiece: pictures of its field, values at a pixel, sections along a line, conditions in a region, the way of
+//! the tool.
 
 mod camera;
+mod motion;
 mod paint;
 mod picture;
 mod probe;
@@ -8,6 +10,7 @@ mod region;
 mod section;
 mod surfaces;
 
+pub(crate) use motion::motion;
 pub(crate) use picture::{PictureData, PictureRequest, drawn};
 pub(crate) use probe::probed;
 pub(crate) use region::region;

@@ -89,7 +89,7 @@ pub(crate) struct PictureData {
 
 impl PictureRequest {
     /// Returns the camera parameters.
-    fn turn(&self) -> Turn {
+    pub(super) fn turn(&self) -> Turn {
         let Self { azimuth, elevation, zoom, right, up, .. } = *self;
         Turn { azimuth, elevation, zoom, right, up }
     }

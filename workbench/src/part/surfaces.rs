@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::motion::Motion;
 use sdf_bake::heights::{HeightsError, SlabOptions};
 use sdf_bake::{BrickGrid, HeightMap};
 use serde_json::{Value, json};
@@ -25,6 +26,8 @@ pub(crate) struct ScannedTrial {
     pub(crate) before: HeightMap,
     /// Scan after each pass.
     pub(crate) scans: Vec<PassScan>,
+    /// Way of the tool in each pass.
+    pub(super) motions: Vec<Motion>,
     passes: Vec<Value>,
     reach: f64,
     fields: Mutex<BTreeMap<usize, Arc<BrickGrid>>>,
@@ -56,6 +59,7 @@ impl ScannedTrial {
             name: trial.name.clone(),
             before: trial.scans.checked_before(),
             scans: trial.passes.iter().map(|pass| pass.scan.clone()).collect(),
+            motions: trial.passes.iter().map(|pass| Motion::of(trial, pass)).collect(),
             passes: trial.passes.iter().map(pass).collect(),
             reach: trial.tool.half_width(),
             fields: Mutex::default(),
