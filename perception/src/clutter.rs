@@ -1,4 +1,4 @@
-//! Things around a workpiece, on it and before the camera: blocks, cylinders, tubes, bolts, clamps, rods.
+//! Things around a workpiece, on it and before the camera: blocks, cylinders, tubes, bolts, clamps, rods, meshes.
 //!
 //! They are united with the workpiece's field, so they cast shadows, hide it and are hidden by it. The metal that is
 //! theirs has labels from [`FIRST_OBSTACLE`] on.
@@ -12,6 +12,7 @@ use render::{FIRST_OBSTACLE, Field, Material, Placement, Ray};
 use sdf_bake::{BrickGrid, Combine};
 use serde::{Deserialize, Serialize};
 
+use crate::clutter_mesh::ClutterMeshes;
 use crate::scene::{CameraDraw, NoSurface, PlacementDraw, Scene, corners};
 use crate::shapes::rounded_box;
 
@@ -32,6 +33,8 @@ pub enum ObstacleShape {
     Bolt,
     /// A clamp open towards +x, with jaws one above the other along z; sizes: half the gap, length of the jaws, 0.
     Clamp,
+    /// A mesh, see [`ObstacleDraw::mesh`]; sizes: half the diagonal of its box, 0, 0.
+    Mesh,
 }
 
 /// A thing in the scene.
@@ -51,6 +54,9 @@ pub struct ObstacleDraw {
     pub roughness: f64,
     /// Bare metal; otherwise paint, plastic or wood.
     pub is_metal: bool,
+    /// Place of the mesh in the list of the set, if the shape is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<usize>,
 }
 
 /// Distance to a regular hexagon with an inscribed circle of this radius.
@@ -79,8 +85,9 @@ fn clamp(p: DVec3, gap: f64, reach: f64) -> f64 {
 }
 
 impl ObstacleDraw {
-    /// Signed distance at a point of its own frame [m], or a bound of it; negative inside.
-    fn distance(&self, p: DVec3) -> f64 {
+    /// Signed distance at a point of its own frame [m], or a bound of it; negative inside. A mesh that is not in the
+    /// files is its ball.
+    fn distance(&self, p: DVec3, meshes: &ClutterMeshes) -> f64 {
         let DVec3 { x: a, y: b, z: c } = self.size_m;
         let across = p.truncate().length();
         match self.shape {
@@ -91,6 +98,10 @@ impl ObstacleDraw {
                 (across - a).max(p.z.abs() - b).min(head)
             }
             ObstacleShape::Clamp => clamp(p, a, b),
+            ObstacleShape::Mesh => {
+                let mesh = self.mesh.and_then(|mesh| meshes.get(&mesh));
+                mesh.map_or(p.length() - a, |mesh| a * mesh.distance(p / a))
+            }
         }
     }
 
@@ -102,6 +113,7 @@ impl ObstacleDraw {
             ObstacleShape::Cylinder => a.hypot(b),
             ObstacleShape::Bolt => (2.5 * a).hypot(b),
             ObstacleShape::Clamp => 2.0 * (2.0 * a + b),
+            ObstacleShape::Mesh => a,
         }
     }
 
@@ -128,12 +140,18 @@ impl ObstacleDraw {
     }
 
     /// A thing of drawn colour: bare metal, or paint, plastic, wood.
-    fn of((shape, size_m): (ObstacleShape, DVec3), rotation: DQuat, position_m: DVec3, stream: &mut Stream) -> Self {
+    pub(crate) fn of(
+        (shape, size_m): (ObstacleShape, DVec3),
+        rotation: DQuat,
+        position_m: DVec3,
+        stream: &mut Stream,
+    ) -> Self {
         let is_metal = stream.happens(0.5);
         let grey = stream.between([0.3, 0.7]);
         let paint = DVec3::from_array(std::array::from_fn(|_| stream.ratio_between([0.02, 0.6])));
         let colour = if is_metal { DVec3::splat(grey) } else { paint };
-        Self { shape, size_m, rotation, position_m, colour, roughness: stream.between([0.2, 0.8]), is_metal }
+        let roughness = stream.between([0.2, 0.8]);
+        Self { shape, size_m, rotation, position_m, colour, roughness, is_metal, mesh: None }
     }
 
     pub(crate) fn material(&self) -> Material {
@@ -142,24 +160,24 @@ impl ObstacleDraw {
     }
 
     /// Its field on the lattice of a part, in the part's frame.
-    fn field(&self, pose: &Placement, part: &BrickGrid) -> BrickGrid {
+    fn field(&self, pose: &Placement, part: &BrickGrid, meshes: &ClutterMeshes) -> BrickGrid {
         let to_own = |point: DVec3| self.rotation.inverse() * (pose.to_scene(point) - self.position_m);
         let centre = pose.to_part(self.position_m);
         let (low, high) = (centre - self.radius(), centre + self.radius());
         let band = f64::from(part.band) / part.voxel;
-        BrickGrid::from_distance(low, high, part.voxel, band, |point| self.distance(to_own(point)))
+        BrickGrid::from_distance(low, high, part.voxel, band, |point| self.distance(to_own(point), meshes))
     }
 }
 
 /// Where things can be: about the box of the workpiece in the scene.
-struct Places {
+pub(crate) struct Places {
     low: DVec3,
     high: DVec3,
-    table: f64,
+    pub(crate) table: f64,
 }
 
 impl Places {
-    fn of(part: &BrickGrid, placement: &PlacementDraw) -> Result<Self, NoSurface> {
+    pub(crate) fn of(part: &BrickGrid, placement: &PlacementDraw) -> Result<Self, NoSurface> {
         let corners = corners(part)?.map(|corner| placement.to_scene(corner));
         let fold = |pick: fn(DVec3, DVec3) -> DVec3| corners.into_iter().reduce(pick).unwrap_or_default();
         Ok(Self { low: fold(DVec3::min), high: fold(DVec3::max), table: placement.table_m })
@@ -170,8 +188,19 @@ impl Places {
     }
 
     /// Half the diagonal of the workpiece on the table.
-    fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         0.5 * (self.high - self.low).truncate().length()
+    }
+
+    /// A place on the table for a thing of this radius [m], outside a circle about the workpiece.
+    pub(crate) fn outside(&self, radius: f64, stream: &mut Stream) -> DVec2 {
+        let away = self.reach() * stream.between([1.0, 1.7]) + radius;
+        self.middle().truncate() + away * DVec2::from_angle(stream.between([0.0, TAU]))
+    }
+
+    /// Where a vertical line from above leads to a place on the workpiece, given by its shares of the box.
+    pub(crate) fn above(&self, share: DVec2) -> DVec3 {
+        (self.low + (self.high - self.low) * share.extend(1.0)).truncate().extend(self.high.z + 0.1)
     }
 
     /// A thing on the table, outside a circle about the workpiece.
@@ -206,8 +235,7 @@ impl Places {
             ObstacleShape::Cylinder | ObstacleShape::Bolt if !upright => lying,
             _ => DQuat::IDENTITY,
         };
-        let away = self.reach() * stream.between([1.0, 1.7]) + size;
-        let place = self.middle().truncate() + away * DVec2::from_angle(stream.between([0.0, TAU]));
+        let place = self.outside(size, stream);
         ObstacleDraw::of(body, turn * tipped, place.extend(self.table + low), stream)
     }
 
@@ -221,9 +249,7 @@ impl Places {
             1 => ((ObstacleShape::Cylinder, DVec3::new(1.0, 0.2, 0.4)), 0.2),
             _ => ((ObstacleShape::Bolt, DVec3::new(0.25, 1.0, 0.0)), 1.0),
         };
-        let above = (self.low + (self.high - self.low) * share.extend(1.0)).truncate().extend(self.high.z + 0.1);
-        let ray = Ray { origin: pose.to_part(above), direction: pose.direction_to_part(DVec3::NEG_Z) };
-        let surface = pose.to_scene(Field::new(part).trace(&ray)?.point);
+        let surface = below(part, pose, self.above(share))?;
         Some(ObstacleDraw::of((shape, size * sizes), turn, surface + DVec3::Z * (size * low), stream))
     }
 
@@ -255,12 +281,18 @@ impl Places {
     }
 }
 
+/// The surface of a part vertically below a point of the scene [m], if there is any.
+pub(crate) fn below(part: &BrickGrid, pose: &Placement, point: DVec3) -> Option<DVec3> {
+    let ray = Ray { origin: pose.to_part(point), direction: pose.direction_to_part(DVec3::NEG_Z) };
+    Some(pose.to_scene(Field::new(part).trace(&ray)?.point))
+}
+
 /// The part with the things of a scene around it; the part itself if there are none.
-pub(crate) fn cluttered<'a>(part: &'a BrickGrid, scene: &Scene) -> Cow<'a, BrickGrid> {
+pub(crate) fn cluttered<'a>(part: &'a BrickGrid, scene: &Scene, meshes: &ClutterMeshes) -> Cow<'a, BrickGrid> {
     let pose = scene.placement.pose();
     let united = |a: &BrickGrid, b: &BrickGrid| a.combined_with(b, Combine::Union).expect("one lattice");
     let labelled = |(at, thing): (usize, &ObstacleDraw)| {
-        let field = thing.field(&pose, part);
+        let field = thing.field(&pose, part, meshes);
         BrickGrid { label: vec![FIRST_OBSTACLE + at as u16; field.phi.len()], ..field }
     };
     let things = scene.obstacles.iter().enumerate().map(labelled).reduce(|all, thing| united(&all, &thing));
@@ -280,7 +312,7 @@ mod tests {
     use render::VisibleObject;
 
     use super::*;
-    use crate::{Look, Seeds, Shape, View};
+    use crate::{Look, SceneFiles, Seeds, Shape, View};
 
     /// A scene of a placement with the given number of things at least.
     fn busy(part: &BrickGrid, least: usize) -> Scene {
@@ -300,8 +332,9 @@ mod tests {
                 colour: zero,
                 roughness: 0.5,
                 is_metal: true,
+                mesh: None,
             };
-            thing.distance(point.into())
+            thing.distance(point.into(), &ClutterMeshes::new())
         };
         let tube = |point| at(ObstacleShape::Cylinder, [0.01, 0.03, 0.006], point);
         for (point, distance) in [([0.015, 0.0, 0.0], 0.005), ([0.008, 0.0, 0.0], -0.002), ([0.0, 0.0, 0.0], 0.006)] {
@@ -321,7 +354,7 @@ mod tests {
         let mut part = Shape::Tee.field(2e-3);
         part.dose = vec![0.5; part.phi.len()];
         let scene = busy(&part, 5);
-        let all = cluttered(&part, &scene);
+        let all = cluttered(&part, &scene, &ClutterMeshes::new());
         assert_eq!(all.sanity_check(), Ok(()));
         for thing in 0..scene.obstacles.len() as u16 {
             assert!(all.label.contains(&(FIRST_OBSTACLE + thing)), "{thing} of {}", scene.obstacles.len());
@@ -342,7 +375,7 @@ mod tests {
         for placement in 0..40 {
             let looks = [Look::Clutter];
             let scene = Scene::draw(&part, &Seeds { placement, image: 3 }, (96, 72), &looks).unwrap();
-            let (view, frame) = View::of(&part, &scene, (96, 72)).unwrap();
+            let (view, frame) = View::of(&part, &scene, (96, 72), &SceneFiles::default()).unwrap();
             let of = |wanted: VisibleObject| frame.buffers.seen.iter().filter(|seen| **seen == wanted).count();
             let whole = frame.amodal.iter().filter(|there| **there == 1).count();
             assert!(of(VisibleObject::Part) <= whole);

@@ -9,34 +9,48 @@
 //! 6. [`coco`], [`yolo`]: annotations in the formats of other programs.
 //!
 //! ```
-//! use perception::{Look, Scene, Seeds, Shape, shoot};
+//! use perception::{Look, Scene, SceneFiles, Seeds, Shape, shoot};
 //!
 //! let mut part = Shape::Tee.field(2e-3);
 //! part.dose = vec![0.0; part.phi.len()];
 //! let scene = Scene::draw(&part, &Seeds { placement: 1, image: 2 }, (64, 48), &Look::ALL).unwrap();
-//! let shot = shoot(&part, &scene, (64, 48)).unwrap();
+//! let shot = shoot(&part, &scene, (64, 48), &SceneFiles::default()).unwrap();
 //! assert_eq!(shot.exposed_share, 0.0);
 //! ```
 
 // Units are in brackets: `[m]` is not a link.
 
 mod clutter;
+mod clutter_mesh;
 pub mod coco;
+mod environment;
 mod jpeg;
+mod look;
 mod looks;
+mod oxide_draws;
 mod png;
 mod sanding;
 mod scene;
 mod shapes;
 mod shot;
+mod shutter;
+mod spatter;
+mod split;
 mod view;
 pub mod yolo;
 
 pub use clutter::{ObstacleDraw, ObstacleShape};
-pub use looks::{DustDraw, Look, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
+pub use clutter_mesh::{ClutterMesh, ClutterMeshes, standing_height};
+pub use environment::{ENVIRONMENT_ROWS, EnvironmentDraw, EnvironmentError, environment_map};
+pub use look::{Look, NO_LOOKS, UnknownLook};
+pub use looks::{DustDraw, LookDraws, OpticsDraw, PanelDraw, SwirlDraw, TextureDraw};
+pub use oxide_draws::{CrustDraw, HeatTintDraw, RustDraw};
 pub use png::{png8, png16};
 pub use sanding::{SPINDLE, SandingError, Setting, StageFigures, sand};
 pub use scene::{CameraDraw, LampDraw, MaterialDraw, NoSurface, PlacementDraw, Scene, Seeds, SensorDraw};
 pub use shapes::Shape;
-pub use shot::{Shot, shoot};
+pub use shot::{SceneFiles, Shot, shoot};
+pub use shutter::ShutterDraw;
+pub use spatter::DropletDraw;
+pub use split::{Split, SplitBy, Treatment, balanced_pairs, interleaved};
 pub use view::{Intrinsics, View, ViewFrame, VisibleWeld, depth_steps, instances};

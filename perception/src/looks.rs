@@ -1,35 +1,13 @@
-//! Domain randomisation of a photograph's appearance: things around the workpiece, dust, clear coat, textures, marks,
-//! primer, studio light, optics, compression. Each
-//! look has its own random stream, so switching one off changes nothing else in a scene.
+//! Domain randomisation of a photograph's appearance: dust, clear coat, textures, marks, primer, oxides, studio light,
+//! optics, compression. Each look has its own random stream, so switching one off changes nothing else in a scene.
 
 use glam::{DVec2, DVec3};
 use random::Stream;
 use render::{Deposit, LightPanel, Material, Optics, Texture, outward};
 use serde::{Deserialize, Serialize};
 
-/// A look that can be left out, to measure what it teaches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Look {
-    /// Stains and orange peel on the workpiece, grain or stains on the table.
-    Texture,
-    /// Arcs of the pad's orbit on the sanded metal.
-    Swirl,
-    /// A primer that shows where little coating is left.
-    Primer,
-    /// Luminous panels that glossy surfaces mirror.
-    Studio,
-    /// Defocus, motion, vignetting, colour balance.
-    Optics,
-    /// Losses of JPEG.
-    Compression,
-    /// A glossy coating.
-    ClearCoat,
-    /// Dust on workpiece and table.
-    Dust,
-    /// Things beside, on and before the workpiece.
-    Clutter,
-}
+use crate::look::Look;
+use crate::oxide_draws::{HeatTintDraw, RustDraw};
 
 /// The looks of one image; those that were left out are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -52,6 +30,12 @@ pub struct LookDraws {
     pub clear_coat: Option<f64>,
     /// Dust.
     pub dust: Option<DustDraw>,
+    /// Heat tint around welds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heat_tint: Option<HeatTintDraw>,
+    /// Rust and mill scale on bare metal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rust: Option<RustDraw>,
 }
 
 /// Dust in spots.
@@ -124,53 +108,8 @@ pub struct OpticsDraw {
 /// Height of the picture for which defocus and motion are drawn [pixels].
 const DRAWN_HEIGHT: f64 = 480.0;
 
-impl Look {
-    /// All looks.
-    pub const ALL: [Self; 9] = [
-        Self::Texture,
-        Self::Swirl,
-        Self::Primer,
-        Self::Studio,
-        Self::Optics,
-        Self::Compression,
-        Self::ClearCoat,
-        Self::Dust,
-        Self::Clutter,
-    ];
-
-    /// Returns the name in flags and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Texture => "texture",
-            Self::Swirl => "swirl",
-            Self::Primer => "primer",
-            Self::Studio => "studio",
-            Self::Optics => "optics",
-            Self::Compression => "compression",
-            Self::ClearCoat => "clear-coat",
-            Self::Dust => "dust",
-            Self::Clutter => "clutter",
-        }
-    }
-
-    /// Returns a short description for the help.
-    pub fn about(self) -> &'static str {
-        match self {
-            Self::Texture => "stains, orange peel, grain of the table",
-            Self::Swirl => "arcs of the pad's orbit on sanded metal",
-            Self::Primer => "a primer below the coating",
-            Self::Studio => "luminous panels mirrored by glossy surfaces",
-            Self::Optics => "defocus, motion, vignetting, colour balance",
-            Self::Compression => "losses of JPEG",
-            Self::ClearCoat => "a glossy coating",
-            Self::Dust => "dust on workpiece and table",
-            Self::Clutter => "things beside, on and before the workpiece",
-        }
-    }
-}
-
 impl LookDraws {
-    /// Draws the given looks of an image; clutter belongs to the placement.
+    /// Draws the given looks of an image; clutter and spatter belong to the placement.
     pub(crate) fn draw(looks: &[Look], seed: u64) -> Self {
         let mut draws = Self::default();
         for &look in looks {
@@ -189,7 +128,9 @@ impl LookDraws {
                     draws.clear_coat = stream.happens(0.4).then(|| stream.ratio_between([0.05, 0.25]));
                 }
                 Look::Dust => draws.dust = stream.happens(0.5).then(|| DustDraw::draw(stream)),
-                Look::Clutter => {}
+                Look::HeatTint => draws.heat_tint = stream.happens(0.6).then(|| HeatTintDraw::draw(stream)),
+                Look::Rust => draws.rust = stream.happens(0.5).then(|| RustDraw::draw(stream)),
+                Look::Clutter | Look::Spatter => {}
             }
         }
         draws
@@ -238,7 +179,7 @@ impl TextureDraw {
 }
 
 /// Position of a pattern; so small that coordinates keep their digits.
-fn offset(stream: &mut Stream) -> DVec3 {
+pub(crate) fn offset(stream: &mut Stream) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|_| stream.between([-100.0, 100.0])))
 }
 
@@ -345,6 +286,8 @@ mod tests {
             assert_eq!(draws.jpeg_quality, all.jpeg_quality.filter(|_| keep(Look::Compression)));
             assert_eq!(draws.clear_coat, all.clear_coat.filter(|_| keep(Look::ClearCoat)));
             assert_eq!(draws.dust, all.dust.filter(|_| keep(Look::Dust)));
+            assert_eq!(draws.heat_tint, all.heat_tint.filter(|_| keep(Look::HeatTint)));
+            assert_eq!(draws.rust, all.rust.filter(|_| keep(Look::Rust)));
         }
         assert_eq!(LookDraws::draw(&[], 7), LookDraws::default());
     }

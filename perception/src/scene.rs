@@ -2,13 +2,17 @@
 
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
-use render::{Camera, Distortion, Placement, Projection, outward};
+use render::{Camera, Distortion, Placement, Projection, RollingShutter, outward};
 use sdf_bake::BrickGrid;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::clutter::ObstacleDraw;
-use crate::looks::{Look, LookDraws};
+use crate::environment::EnvironmentDraw;
+use crate::look::Look;
+use crate::looks::LookDraws;
+use crate::shutter::ShutterDraw;
+use crate::spatter::DropletDraw;
 
 /// The field is entirely inside or entirely outside.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -33,11 +37,17 @@ pub struct Scene {
     pub camera: CameraDraw,
     /// Things around the workpiece, the same for all images of a placement.
     pub obstacles: Vec<ObstacleDraw>,
+    /// Droplets of weld metal on the workpiece, the same for all images of a placement.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spatter: Vec<DropletDraw>,
     /// Lamps, the brightest first.
     pub lamps: Vec<LampDraw>,
     /// Ambient light from sky, horizon and floor, relative to a bright workshop. Bare metal mirrors it, so metal is
     /// darker than paint under a bright lamp in dark surroundings.
     pub environment: DVec3,
+    /// Picture of the surroundings in place of ambient light and panels, if the set has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surroundings: Option<EnvironmentDraw>,
     /// Materials of the coating, the metal below, and the table.
     pub material: MaterialDraw,
     /// Exposure, blur and noise of the sensor.
@@ -68,6 +78,9 @@ pub struct CameraDraw {
     pub vertical_field_of_view: f64,
     /// Coefficients k₁ and k₂ of r² and r⁴ on the image plane at unit distance (Brown 1966).
     pub distortion: [f64; 2],
+    /// Motion while the rows are exposed, part of the look `optics`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_shutter: Option<ShutterDraw>,
 }
 
 /// A distant lamp.
@@ -126,24 +139,39 @@ impl Scene {
         let placement = PlacementDraw::draw(&corners, &mut Stream::of(seeds.placement, "placement"));
         let corners = corners.map(|corner| placement.to_scene(corner));
         let aspect = size.0 as f64 / size.1 as f64;
-        let camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(seeds.placement, "camera"));
+        let mut camera = CameraDraw::draw(&corners, aspect, &mut Stream::of(seeds.placement, "camera"));
+        if looks.contains(&Look::Optics) {
+            let depth = camera.depth(corners.iter().sum::<DVec3>() / corners.len() as f64);
+            let slope = (0.5 * camera.vertical_field_of_view).tan();
+            camera.rolling_shutter =
+                ShutterDraw::draw(slope, depth, &mut Stream::of(seeds.placement, "rolling shutter"));
+        }
         let mut light = Stream::of(seeds.image, "light");
-        let clutter = &mut Stream::of(seeds.placement, Look::Clutter.name());
-        let obstacles = if looks.contains(&Look::Clutter) {
-            ObstacleDraw::draw(part, (&placement, &camera), clutter)?
-        } else {
-            Vec::new()
-        };
+        let of_placement = |look: Look| looks.contains(&look).then(|| Stream::of(seeds.placement, look.name()));
+        let obstacles = of_placement(Look::Clutter)
+            .map(|mut stream| ObstacleDraw::draw(part, (&placement, &camera), &mut stream))
+            .transpose()?;
+        let spatter = of_placement(Look::Spatter).map(|mut stream| DropletDraw::draw(part, &mut stream));
         Ok(Self {
             placement,
             camera,
-            obstacles,
+            obstacles: obstacles.unwrap_or_default(),
+            spatter: spatter.unwrap_or_default(),
             lamps: lamps(&mut light),
             environment: DVec3::from_array(std::array::from_fn(|_| light.ratio_between([0.06, 1.3]))),
+            surroundings: None,
             material: MaterialDraw::draw(&mut Stream::of(seeds.image, "material")),
             sensor: SensorDraw::draw(&mut Stream::of(seeds.image, "sensor"), seeds.image),
             looks: LookDraws::draw(looks, seeds.image),
         })
+    }
+
+    /// The same scene in the light of a picture, turned and as bright as drawn from the seed of the image.
+    #[must_use]
+    pub fn surrounded(mut self, seeds: &Seeds) -> Self {
+        self.surroundings = Some(EnvironmentDraw::draw(self.environment, seeds.image));
+        self.looks.panels.clear();
+        self
     }
 }
 
@@ -194,6 +222,11 @@ impl CameraDraw {
         }
     }
 
+    /// Its rolling shutter for the renderer.
+    pub(crate) fn shutter(&self) -> Option<RollingShutter> {
+        self.rolling_shutter.map(|draw| draw.shutter(self.axes))
+    }
+
     /// Distance of a point [m] along the camera's axis [m].
     pub(crate) fn depth(&self, point: DVec3) -> f64 {
         (point - self.eye_m).dot(self.axes[2])
@@ -223,7 +256,7 @@ impl CameraDraw {
         let shift = right * stream.between([-0.5, 0.5]) * room.x + up * stream.between([-0.5, 0.5]) * room.y;
         let eye_m = centre + shift + direction * distance;
         let distortion = [stream.between([-0.35, 0.05]), stream.between([0.0, 0.1])];
-        Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion }
+        Self { eye_m, axes: [right, up, -direction], vertical_field_of_view, distortion, rolling_shutter: None }
     }
 }
 

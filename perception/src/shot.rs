@@ -4,20 +4,32 @@ use glam::{DVec3, Vec3};
 use image::ImageError;
 use render::label::{Colour, labels, seen_share};
 use render::{
-    Appearance, Environment, Field, Frame, KeyLight, Lights, Marks, Material, Picture, Raster, Scene as Stage, Sensor,
-    Table, VisibleObject,
+    Appearance, Environment, EnvironmentMap, Field, Frame, KeyLight, Lights, Marks, Material, Picture, Raster,
+    Scene as Stage, Sensor, Surroundings, Table, VisibleObject,
 };
 use sdf_bake::BrickGrid;
 
 use crate::clutter::{ObstacleDraw, cluttered};
+use crate::clutter_mesh::ClutterMeshes;
 use crate::jpeg::through_jpeg;
 use crate::looks::{DustDraw, LookDraws, PanelDraw, TextureDraw};
+use crate::oxide_draws::oxides;
 use crate::scene::{MaterialDraw, Scene};
+use crate::spatter::spattered;
 
 /// Exponent for perceptually even steps of light, an approximation of sRGB.
 const GAMMA: f32 = 2.2;
 /// Weights of red, green and blue in luminance (ITU-R BT.709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// Contents of the files that scenes may use; none by default.
+#[derive(Clone, Debug, Default)]
+pub struct SceneFiles {
+    /// Picture of the surroundings.
+    pub environment: Option<EnvironmentMap>,
+    /// Meshes among the clutter.
+    pub meshes: ClutterMeshes,
+}
 
 /// An image with its labels.
 pub struct Shot {
@@ -34,13 +46,20 @@ pub struct Shot {
 }
 
 /// Photographs a part with its dose; labels it by comparison with the same part unsanded and bare in the same scene.
+/// `files`: the picture of a [`Scene::surrounded`] scene, and the meshes of [`Scene::with_meshes`].
 ///
 /// # Errors
 /// If the picture goes through JPEG and a side is longer than 65,535 pixels.
-pub fn shoot(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Result<Shot, ImageError> {
+pub fn shoot(
+    part: &BrickGrid,
+    scene: &Scene,
+    (width, height): (usize, usize),
+    files: &SceneFiles,
+) -> Result<Shot, ImageError> {
     let camera = scene.camera.camera();
-    let all = cluttered(part, scene);
-    let stage = stage(&all, scene);
+    let whole = spattered(part, scene);
+    let all = cluttered(&whole, scene, &files.meshes);
+    let stage = stage(&all, scene, files.environment.as_ref());
     // Unsanded and bare.
     let others = [0.0, 1.0].map(|exposed| Appearance { exposed: Some(exposed), ..stage.appearance.clone() });
     let raster = Raster { width, height, samples_per_side: 1 };
@@ -87,7 +106,7 @@ fn picture(frame: &Frame, (scene, middle): (&Scene, f64), exposure: f64) -> Resu
     }
 }
 
-fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
+fn stage<'a>(part: &'a BrickGrid, scene: &Scene, map: Option<&'a EnvironmentMap>) -> Stage<'a> {
     let room = Lights::default().environment;
     let [sky, horizon, floor] = scene.environment.as_vec3().to_array();
     let environment = Environment { sky: room.sky * sky, horizon: room.horizon * horizon, floor: room.floor * floor };
@@ -105,6 +124,12 @@ fn stage<'a>(part: &'a BrickGrid, scene: &Scene) -> Stage<'a> {
         dust: scene.looks.dust.as_ref().map(DustDraw::deposit),
         table: Some(table(scene)),
         lights: Lights { keys: keys.collect(), environment, panels: panels.collect() },
+        surroundings: map.zip(scene.surroundings).map(|(map, draw)| Surroundings {
+            map,
+            turn: draw.turn,
+            gain: draw.gain as f32,
+        }),
+        shutter: scene.camera.shutter(),
     }
 }
 
@@ -136,6 +161,7 @@ fn appearance(material: &MaterialDraw, looks: &LookDraws) -> Appearance {
         marks,
         primer: looks.primer.map(paint),
         texture: looks.part.map(TextureDraw::texture),
+        oxides: oxides(looks.heat_tint.as_ref(), looks.rust.as_ref()),
         ..Appearance::default()
     }
 }
@@ -178,7 +204,7 @@ mod tests {
         let from_above = (0..).find(|&placement| draw(placement, &[]).camera.axes[2].z < -0.93).unwrap();
         for looks in [&[][..], &Look::ALL] {
             let scene = draw(from_above, looks);
-            let shot = shoot(&part, &scene, (120, 90)).unwrap();
+            let shot = shoot(&part, &scene, (120, 90), &SceneFiles::default()).unwrap();
             // Seen from above, the visible share equals the share of the upper side.
             let share = (0.075 - bare_from) / 0.15;
             assert!((shot.exposed_share - share).abs() < 0.08, "{}", shot.exposed_share);
@@ -218,22 +244,21 @@ mod tests {
         };
         // Some looks are drawn in a share of the images only.
         let has_all = |seed: &u64| {
-            let Scene { obstacles, looks, .. } = draw(*seed, &Look::ALL);
-            obstacles.len() > 2 && looks.primer.is_some() && looks.clear_coat.is_some() && looks.dust.is_some()
+            let Scene { obstacles, spatter, looks, camera, .. } = draw(*seed, &Look::ALL);
+            let oxides = looks.heat_tint.is_some() && looks.rust.is_some();
+            let layers = looks.primer.is_some() && looks.clear_coat.is_some() && looks.dust.is_some();
+            obstacles.len() > 2 && spatter.len() > 5 && layers && oxides && camera.rolling_shutter.is_some()
         };
         let seed = (0..).find(has_all).unwrap();
-        let taken = |looks: &[Look]| shoot(&part, &draw(seed, looks), (96, 72)).unwrap();
+        let taken = |looks: &[Look]| shoot(&part, &draw(seed, looks), (96, 72), &SceneFiles::default()).unwrap();
         let plain = taken(&[]);
+        let reshapes = |look: Look| matches!(look, Look::Clutter | Look::Spatter | Look::Optics);
         for look in Look::ALL {
             let shot = taken(&[look]);
             assert_ne!(shot.image, plain.image, "{}", look.name());
             // Only what hides the workpiece may change its labels.
             let kept = shot.dose.iter().zip(&plain.dose).filter(|(now, then)| now == then).count();
-            assert!(
-                kept == plain.dose.len() || look == Look::Clutter && kept > plain.dose.len() / 2,
-                "{}",
-                look.name()
-            );
+            assert!(kept == plain.dose.len() || reshapes(look) && kept > plain.dose.len() / 2, "{}", look.name());
         }
     }
 }

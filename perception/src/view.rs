@@ -8,11 +8,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::clutter::cluttered;
 use crate::scene::{NoSurface, Scene, corners};
+use crate::shot::SceneFiles;
+use crate::shutter::ShutterDraw;
+use crate::spatter::spattered;
 
 /// Number of the background in instance labels.
 pub const BACKGROUND_INSTANCE: u8 = 0;
 /// Number of the workpiece's base metal in instance labels; weld i has this plus i.
 pub const WORKPIECE_INSTANCE: u8 = 1;
+/// Steps by which the row of a point under a rolling shutter is found; each reduces its error to a few hundredths.
+const PROJECTIONS: usize = 6;
 /// Depth of one step of the depth image [m].
 pub const DEPTH_STEP: f64 = 1e-4;
 
@@ -46,6 +51,9 @@ pub struct View {
     pub welds: Vec<VisibleWeld>,
     /// Depth of one step of the depth image [m]; 0 in it is background.
     pub depth_step_m: f64,
+    /// Motion of the camera while the rows are exposed; camera and pose are those of the middle row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_shutter: Option<ShutterDraw>,
 }
 
 /// A weld in a picture.
@@ -68,14 +76,14 @@ pub struct ViewFrame {
 }
 
 impl ViewFrame {
-    fn of(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize)) -> Self {
+    fn of(part: &BrickGrid, scene: &Scene, (width, height): (usize, usize), files: &SceneFiles) -> Self {
         let photograph = |field: &BrickGrid| {
-            let stage =
-                Stage { placement: scene.placement.pose(), appearance: Appearance::default(), ..Stage::new(field) };
+            let (placement, shutter) = (scene.placement.pose(), scene.camera.shutter());
+            let stage = Stage { placement, appearance: Appearance::default(), shutter, ..Stage::new(field) };
             stage.photograph(&scene.camera.camera(), &Raster { width, height, samples_per_side: 1 })
         };
         let shown = |frame: &Frame| frame.seen.iter().map(|seen| u8::from(*seen == VisibleObject::Part)).collect();
-        let buffers = photograph(&cluttered(part, scene));
+        let buffers = photograph(&cluttered(part, scene, &files.meshes));
         let amodal = if scene.obstacles.is_empty() { shown(&buffers) } else { shown(&photograph(part)) };
         Self { buffers, amodal }
     }
@@ -83,12 +91,19 @@ impl ViewFrame {
 
 impl View {
     /// Looks at a part; also returns the buffers with the things around it, photographed bare in the light of a workshop.
+    /// `files`: as for [`shoot`](crate::shoot).
     ///
     /// # Errors
     /// If the field has no surface.
-    pub fn of(part: &BrickGrid, scene: &Scene, size: (usize, usize)) -> Result<(Self, ViewFrame), NoSurface> {
+    pub fn of(
+        part: &BrickGrid,
+        scene: &Scene,
+        size: (usize, usize),
+        files: &SceneFiles,
+    ) -> Result<(Self, ViewFrame), NoSurface> {
         let placement = scene.placement.pose();
-        let frame = ViewFrame::of(part, scene, size);
+        let part = &*spattered(part, scene);
+        let frame = ViewFrame::of(part, scene, size, files);
         let (width, height) = size;
         let visible = Extent::of(width, height, |pixel| frame.buffers.seen[pixel] == VisibleObject::Part);
         let whole = Extent::of(width, height, |pixel| frame.amodal[pixel] == 1);
@@ -106,16 +121,28 @@ impl View {
             visible_share: visible.area as f64 / whole.area.max(1) as f64,
             welds: welds(&frame.buffers),
             depth_step_m: DEPTH_STEP,
+            rolling_shutter: scene.camera.rolling_shutter,
         };
         Ok((view, frame))
     }
 
-    /// Projects a point of the part's frame [m] to the picture [pixels].
+    /// Projects a point of the part's frame [m] to the picture [pixels]. Under a rolling shutter the row that sees it is
+    /// found by fixed-point iteration.
     pub fn project(&self, point: DVec3) -> [f64; 2] {
-        let at = |axis: usize| {
+        let axis = |axis: usize| {
             DVec3::from_array(self.part_to_camera_rotation[axis]).dot(point) + self.part_to_camera_translation_m[axis]
         };
-        let (x, y) = (at(0) / at(2), at(1) / at(2));
+        let point = DVec3::from_array(std::array::from_fn(axis));
+        let Some(shutter) = &self.rolling_shutter else { return self.project_in_camera(point) };
+        let height = 2.0 * self.camera.matrix[1][2] + 1.0;
+        (0..PROJECTIONS).fold(self.project_in_camera(point), |[_, y], _| {
+            self.project_in_camera(shutter.seen_from_row(point, (y + 0.5) / height))
+        })
+    }
+
+    /// Projects a point of the camera's frame [m] to the picture [pixels].
+    fn project_in_camera(&self, point: DVec3) -> [f64; 2] {
+        let (x, y) = (point.x / point.z, point.y / point.z);
         let [k1, k2, _, _, k3] = self.camera.distortion;
         let r2 = x * x + y * y;
         let stretch = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
@@ -166,13 +193,14 @@ pub fn depth_steps(frame: &Frame) -> Vec<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Seeds, Shape};
+    use crate::{Look, Seeds, Shape};
 
     #[test]
     fn every_pixel_s_point_projects_to_its_middle_and_lies_at_its_depth() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 9, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, ViewFrame { buffers: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { buffers: frame, .. }) =
+            View::of(&part, &scene, (80, 60), &SceneFiles::default()).unwrap();
         let seen: Vec<usize> = (0..80 * 60).filter(|&pixel| frame.seen[pixel] == VisibleObject::Part).collect();
         assert!(seen.len() > 500, "{}", seen.len());
         for &pixel in &seen {
@@ -189,10 +217,31 @@ mod tests {
     }
 
     #[test]
+    fn points_under_a_rolling_shutter_project_to_their_pixels() {
+        let part = Shape::Tee.field(2e-3);
+        let draw = |placement| Scene::draw(&part, &Seeds { placement, image: 1 }, (80, 60), &[Look::Optics]).unwrap();
+        let scene = (0..).map(draw).find(|scene| scene.camera.rolling_shutter.is_some()).unwrap();
+        let (view, ViewFrame { buffers: frame, .. }) =
+            View::of(&part, &scene, (80, 60), &SceneFiles::default()).unwrap();
+        let at_rest = View { rolling_shutter: None, ..view.clone() };
+        let mut moved = 0f64;
+        for pixel in (0..80 * 60).filter(|&pixel| frame.seen[pixel] == VisibleObject::Part) {
+            let away = |view: &View| {
+                let [x, y] = view.project(frame.position[pixel].as_dvec3());
+                (x - (pixel % 80) as f64).hypot(y - (pixel / 80) as f64)
+            };
+            assert!(away(&view) < 1e-3, "pixel {pixel}: {}", away(&view));
+            moved = moved.max(away(&at_rest));
+        }
+        assert!(moved > 0.1, "{moved}");
+    }
+
+    #[test]
     fn instances_and_boxes_are_those_of_the_welds() {
         let part = Shape::Tee.field(2e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 2, image: 1 }, (80, 60), &[]).unwrap();
-        let (view, ViewFrame { buffers: frame, .. }) = View::of(&part, &scene, (80, 60)).unwrap();
+        let (view, ViewFrame { buffers: frame, .. }) =
+            View::of(&part, &scene, (80, 60), &SceneFiles::default()).unwrap();
         let labels = instances(&frame);
         assert!(!view.welds.is_empty());
         for weld in &view.welds {

@@ -27,9 +27,19 @@ impl Deposit {
     /// vertical.
     #[inline(always)]
     pub(crate) fn over(&self, under: Blend, point: Vec3, facing_up: f32) -> Blend {
-        let level = 1.0 - 2.0 * self.cover;
-        let spots = smooth_step(level - FEATHER, level + FEATHER, noise_at(point / self.period + self.offset));
-        let share = spots * facing_up.max(0.0);
+        self.laid(under, self.share(point, self.cover) * facing_up.max(0.0))
+    }
+
+    /// Share of the layer at a point [m] where its spots have this mean cover.
+    #[inline(always)]
+    pub(crate) fn share(&self, point: Vec3, cover: f32) -> f32 {
+        let level = 1.0 - 2.0 * cover;
+        smooth_step(level - FEATHER, level + FEATHER, noise_at(point / self.period + self.offset))
+    }
+
+    /// Lays a share of the layer over a surface.
+    #[inline(always)]
+    pub(crate) fn laid(&self, under: Blend, share: f32) -> Blend {
         Blend { material: under.material.mixed(self.material, share), ground: under.ground * (1.0 - share) }
     }
 }

@@ -6,6 +6,7 @@ use glam::{DVec3, IVec3, Vec3, Vec3A};
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_SIDE, BRICK_VOXELS, INSIDE, OUTSIDE, voxel_offset};
 
+use super::fusion_line::FusionLine;
 use super::index::Index;
 use super::occupancy::{Blocks, occupancy};
 use super::padded::Padded;
@@ -31,6 +32,8 @@ pub struct Field<'a> {
     pub(crate) per_metre: f64,
     /// φ padded for reading many samples at a time; built on first use.
     padded: OnceLock<Padded>,
+    /// Fusion lines of the welds; found on first use.
+    fusion_line: OnceLock<FusionLine>,
 }
 
 impl<'a> Field<'a> {
@@ -47,13 +50,19 @@ impl<'a> Field<'a> {
             if low.cmple(high).all() { (voxels(low), voxels(high + IVec3::ONE)) } else { (Vec3::ZERO, Vec3::ZERO) };
         let lowest = (grid.origin * BRICK_SIDE as i32).as_dvec3();
         let (index, per_metre) = (Index::new(grid, &metal), grid.voxel.recip());
-        Self { grid, index, metal, air, metal_box, lowest, per_metre, padded: OnceLock::new() }
+        let (padded, fusion_line) = (OnceLock::new(), OnceLock::new());
+        Self { grid, index, metal, air, metal_box, lowest, per_metre, padded, fusion_line }
     }
 
     /// φ of each brick with the voxels around it.
     pub(crate) fn padded(&self) -> &Padded {
         // Built on this thread alone: threads that wait for it might be the ones that should help.
         self.padded.get_or_init(|| Padded::new(self))
+    }
+
+    /// Fusion lines of the grid's welds.
+    pub(crate) fn fusion_line(&self) -> &FusionLine {
+        self.fusion_line.get_or_init(|| FusionLine::of(self.grid))
     }
 
     /// Converts a point [m] to voxels from the lowest voxel of the index.

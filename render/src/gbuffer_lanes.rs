@@ -89,7 +89,7 @@ impl pulp::NullaryFnOnce for Clear<'_> {
     #[inline(always)]
     fn call(self) -> f64 {
         let Self { stage, at } = self;
-        let rays = Rays::through(at, &stage.camera, (stage.aspect, stage.half_image));
+        let rays = stage.rays(at);
         common_clear_length(&stage.scene.field, &rays, 0.0)
     }
 }
@@ -100,7 +100,7 @@ impl pulp::NullaryFnOnce for PrimaryRays<'_> {
     #[inline(always)]
     fn call(self) -> Samples {
         let (stage, field) = (self.stage, &self.stage.scene.field);
-        let rays = Rays::through(self.at, &stage.camera, (stage.aspect, stage.half_image));
+        let rays = stage.rays(self.at);
         let clear = common_clear_length(field, &rays, self.clear);
         let distances = if clear < f64::INFINITY {
             Crossings { field, padded: field.padded(), rays: &rays, clear }.call()
@@ -139,7 +139,7 @@ impl PrimaryRays<'_> {
             let point = DVec3::new(points[0][i], points[1][i], points[2][i]);
             let (position, is_met) = (point.as_vec3(), samples.is_solid[i] | samples.is_table[i]);
             let select = |wanted: bool, point: Vec3| if wanted { point } else { Vec3::ZERO };
-            samples.depth[i] = if is_met { stage.camera.depth(point) as f32 } else { f32::INFINITY };
+            samples.depth[i] = if is_met { stage.depth(point, self.at.down[i]) as f32 } else { f32::INFINITY };
             samples.positions.set(i, select(is_met, position));
             samples.points.set(i, select(is_met, field.in_voxels(position.as_dvec3())));
             samples.normals.set(i, select(is_met, up));

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, Points};
 use super::marks::Marks;
+use super::oxides::Oxides;
 use super::shade::smooth_step;
 use super::texture::Texture;
 
@@ -68,6 +69,8 @@ pub struct Appearance {
     pub texture: Option<Texture>,
     /// Share of exposed metal everywhere, 0 to 1, instead of min(D, 1). On the CPU only.
     pub exposed: Option<f32>,
+    /// Oxides of the metal. On the CPU only.
+    pub oxides: Oxides,
 }
 
 impl Default for Appearance {
@@ -82,6 +85,7 @@ impl Default for Appearance {
             primer: None,
             texture: None,
             exposed: None,
+            oxides: Oxides::default(),
         }
     }
 }
@@ -134,21 +138,36 @@ impl Appearance {
         let mut blends = MaterialLanes { colour: Points::ZERO, roughness: none, metallic: none, ground: none };
         // The choice holds for all lanes, so it is made once.
         match self.coating {
-            None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(weld_share[i], removed[i]))),
-            Some(coating) => (0..LANES).for_each(|i| blends.set(i, self.coated(coating, dose[i], removed[i]))),
+            None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(weld_share[i], removed[i], as_it_is))),
+            Some(coating) => {
+                (0..LANES).for_each(|i| blends.set(i, self.coated(coating, (dose[i], removed[i]), as_it_is)));
+            }
         }
         blends
     }
 
-    #[inline(always)]
-    fn uncoated(&self, weld_share: f32, removed: f32) -> Blend {
-        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share);
-        let ground = smooth_step(0.0, self.ground_depth, removed);
-        Blend { material: self.metal.mixed(self.weld, weld).mixed(self.ground, ground), ground }
+    /// [`Appearance::blends`] of one sample, with `cover` over its bare metal.
+    pub(crate) fn covered(
+        &self,
+        (weld_share, dose, removed): (f32, f32, f32),
+        cover: impl Fn(Blend) -> Blend + Copy,
+    ) -> Blend {
+        match self.coating {
+            None => self.uncoated(weld_share, removed, cover),
+            Some(coating) => self.coated(coating, (dose, removed), cover),
+        }
     }
 
     #[inline(always)]
-    fn coated(&self, coating: Material, dose: f32, removed: f32) -> Blend {
+    fn uncoated(&self, weld_share: f32, removed: f32, cover: impl Fn(Blend) -> Blend) -> Blend {
+        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share);
+        let ground = smooth_step(0.0, self.ground_depth, removed);
+        let Blend { material, .. } = cover(Blend { material: self.metal.mixed(self.weld, weld), ground: 0.0 });
+        Blend { material: material.mixed(self.ground, ground), ground }
+    }
+
+    #[inline(always)]
+    fn coated(&self, coating: Material, (dose, removed): (f32, f32), cover: impl Fn(Blend) -> Blend) -> Blend {
         let exposed = self.exposed.unwrap_or(dose.clamp(0.0, 1.0));
         let (bottom, metal) = match self.primer {
             None => (coating, exposed),
@@ -159,6 +178,14 @@ impl Appearance {
         };
         // An orbital pad marks all metal that it lays bare.
         let ground = if self.marks.orbit.is_some() { 1.0 } else { smooth_step(0.0, self.ground_depth, removed) };
-        Blend { material: bottom.mixed(self.ground, metal), ground: ground * metal }
+        let bare = Blend { material: self.ground, ground };
+        let bare = if metal > 0.0 { cover(bare) } else { bare };
+        Blend { material: bottom.mixed(bare.material, metal), ground: bare.ground * metal }
     }
+}
+
+/// Leaves bare metal without a cover.
+#[inline(always)]
+fn as_it_is(bare: Blend) -> Blend {
+    bare
 }

@@ -64,7 +64,7 @@ impl Rays {
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, origin: DVec3, direction: DVec3) {
+    pub(crate) fn set(&mut self, lane: usize, origin: DVec3, direction: DVec3) {
         for axis in 0..3 {
             (self.origins[axis][lane], self.directions[axis][lane]) = (origin[axis], direction[axis]);
         }

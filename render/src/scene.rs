@@ -1,11 +1,12 @@
 //! A scene to be photographed: a part of one or several materials on a table, with lamps and ambient light.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Quat, Vec3};
 use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 
 use super::camera::Camera;
 use super::deposit::Deposit;
+use super::environment_map::Surroundings;
 use super::field::Field;
 use super::frame::Frame;
 use super::gbuffer_lanes::{Clear, PrimaryRays, Samples};
@@ -14,7 +15,8 @@ use super::light_visibility::LampRays;
 use super::lights::{LightPanel, Lights, Panel};
 use super::material::{Appearance, Material, PRIMER};
 use super::placement::Placement;
-use super::rays::ImagePositions;
+use super::rays::{ImagePositions, Rays};
+use super::rolling_shutter::RollingShutter;
 use super::rows::Rows;
 use super::shade_lanes::ShadeLanes;
 use super::texture::Texture;
@@ -54,6 +56,10 @@ pub struct Scene<'a> {
     pub dust: Option<Deposit>,
     /// Lights.
     pub lights: Lights,
+    /// Picture of the surroundings, in place of the ambient light. On the CPU only.
+    pub surroundings: Option<Surroundings<'a>>,
+    /// Motion of the camera while its rows are exposed. On the CPU only.
+    pub shutter: Option<RollingShutter>,
 }
 
 /// Size of an image.
@@ -76,15 +82,18 @@ impl Default for Raster {
 impl<'a> Scene<'a> {
     /// Returns the first thing in the scene that only the CPU can photograph.
     pub(crate) fn only_on_the_cpu(&self) -> Option<&'static str> {
-        let Appearance { marks, primer, texture, exposed, .. } = &self.appearance;
+        let Appearance { marks, primer, texture, exposed, oxides, .. } = &self.appearance;
         let found = [
             ("marks of an orbital pad", marks.orbit.is_some()),
             ("a primer", primer.is_some()),
             ("a texture", texture.is_some() || self.table.is_some_and(|table| table.texture.is_some())),
             ("a set share of exposed metal", exposed.is_some()),
+            ("oxides", !oxides.is_none()),
             ("a luminous panel", !self.lights.panels.is_empty()),
             ("a thing that is no part", !self.obstacles.is_empty()),
             ("dust", self.dust.is_some()),
+            ("light from a picture", self.surroundings.is_some()),
+            ("a rolling shutter", self.shutter.is_some()),
         ];
         found.into_iter().find(|(_, is_there)| *is_there).map(|(name, _)| name)
     }
@@ -100,6 +109,8 @@ impl<'a> Scene<'a> {
             table: None,
             dust: None,
             lights: Lights::default(),
+            surroundings: None,
+            shutter: None,
         }
     }
 
@@ -166,10 +177,13 @@ pub(crate) struct Stage<'a> {
     /// [`Camera::half_image`] of the camera.
     pub(crate) half_image: f64,
     pub(crate) camera: Camera,
+    shutter: Option<RollingShutter>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) panels: Vec<Panel>,
     /// Unit vector that points up in the scene.
     pub(crate) up: DVec3,
+    /// Rotation from the part's frame to the scene's.
+    pub(crate) to_scene: Quat,
     /// Height of the table along `up` [m]; −∞ without a table.
     pub(crate) table: f64,
 }
@@ -194,10 +208,32 @@ impl<'a> Stage<'a> {
             aspect: raster.width as f64 / raster.height.max(1) as f64,
             half_image: camera.half_image(),
             camera: placement.camera_to_part(camera),
+            shutter: scene.shutter.map(|shutter| shutter.to_part(placement)),
             lamps: scene.lights.keys.iter().map(lamp).collect(),
             panels: scene.lights.panels.iter().map(panel).collect(),
             up: placement.direction_to_part(DVec3::Z),
+            to_scene: placement.rotation.as_quat(),
             table: scene.table.map_or(f64::NEG_INFINITY, |table| table.height - placement.translation.z),
+        }
+    }
+
+    /// Rays through image positions.
+    #[inline(always)]
+    pub(crate) fn rays(&self, at: &ImagePositions) -> Rays {
+        let mut rays = Rays::through(at, &self.camera, (self.aspect, self.half_image));
+        if let Some(shutter) = &self.shutter {
+            shutter.displace(&mut rays, at, &self.camera);
+        }
+        rays
+    }
+
+    /// Distance of a point [m] from the camera along its axis [m] at the exposure of a row. `down`: the row's position
+    /// from the top, 0 to 1.
+    #[inline(always)]
+    pub(crate) fn depth(&self, point: DVec3, down: f64) -> f64 {
+        match &self.shutter {
+            None => self.camera.depth(point),
+            Some(shutter) => shutter.camera(&self.camera, down).depth(point),
         }
     }
 

@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
+use super::environment_map::Surroundings;
 use super::gbuffer_lanes::Samples;
 use super::lanes::{LANES, Points, any};
 use super::marks::{Grooves, any_tangent};
 use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
+use super::oxides::OxidePlace;
 use super::scene::{FIRST_OBSTACLE, Stage};
 use super::shade::facing;
 use super::texture::Texture;
@@ -30,6 +32,9 @@ impl pulp::NullaryFnOnce for ShadeLanes<'_> {
         let mut light = Points::ZERO;
         for i in 0..LANES {
             light.set(i, environment.radiance(samples.directions.get(i).dot(up), 0.0));
+        }
+        if let Some(around) = stage.scene.surroundings {
+            (0..LANES).for_each(|i| light.set(i, around.radiance(stage.to_scene * samples.directions.get(i), 0.0)));
         }
         if any(&samples.is_solid) || any(&samples.is_table) {
             let on_surface = self.of_surfaces();
@@ -57,6 +62,9 @@ impl ShadeLanes<'_> {
             let around = environment.radiance(facets.normal.dot(up), 1.0);
             light.set(i, open_light(&facets, viewer, (around, mirrored)) * shelter.open[i]);
         }
+        if let Some(around) = stage.scene.surroundings {
+            self.pictured(around, &facets, &mut light);
+        }
         // In a loop of their own: without panels the loop above stays free of branches, and runs in lanes.
         for panel in &stage.panels {
             for i in 0..LANES {
@@ -77,6 +85,17 @@ impl ShadeLanes<'_> {
             }
         }
         light
+    }
+
+    /// Replaces the ambient light of surfaces by that of a picture.
+    fn pictured(&self, around: Surroundings, facets: &FacetLanes, light: &mut Points) {
+        let Self { stage, samples, shelter, .. } = self;
+        for i in (0..LANES).filter(|&i| samples.is_solid[i] | samples.is_table[i]) {
+            let (facets, viewer) = (facets.get(i), -samples.directions.get(i));
+            let from = |direction: Vec3, roughness: f32| around.radiance(stage.to_scene * direction, roughness);
+            let lit = (from(facets.normal, 1.0), from(facets.mirrored(viewer), facets.roughness()));
+            light.set(i, open_light(&facets, viewer, lit) * shelter.open[i]);
+        }
     }
 
     #[inline(always)]
@@ -109,6 +128,9 @@ impl ShadeLanes<'_> {
         let Self { stage, appearance, samples, .. } = self;
         let Samples { is_table, weld_share, dose, removed, .. } = samples;
         let mut materials = appearance.blends(weld_share, dose, removed);
+        if !appearance.oxides.is_none() {
+            (0..LANES).filter(|&i| samples.is_solid[i]).for_each(|i| materials.set(i, self.oxidised(i)));
+        }
         if let Some(texture) = &appearance.texture {
             for i in 0..LANES {
                 materials.set(i, self.textured(i, materials.blend(i), texture));
@@ -125,6 +147,24 @@ impl ShadeLanes<'_> {
             self.cover(&mut materials);
         }
         materials
+    }
+
+    /// Material of a lane with oxides on its bare metal.
+    fn oxidised(&self, lane: usize) -> Blend {
+        let Self { stage, appearance, samples, .. } = self;
+        let (point, dose) = (samples.positions.get(lane), samples.dose[lane]);
+        let cover = |bare: Blend| {
+            let distance = stage.scene.field.fusion_line().distance(point);
+            let is_weld = samples.weld[lane] > 0;
+            let place = OxidePlace {
+                point,
+                distance: if is_weld { 0.0 } else { distance },
+                cosine: samples.normals.get(lane).dot(samples.directions.get(lane)).abs(),
+                dose,
+            };
+            appearance.oxides.over(bare, &place)
+        };
+        appearance.covered((samples.weld_share[lane], dose, samples.removed[lane]), cover)
     }
 
     /// Gives obstacles their materials, and lays dust over everything.

@@ -17,7 +17,7 @@ use super::values::{number, one_of, whole};
 use crate::console::Console;
 use crate::images::make::{STEPS, Task};
 use crate::images::plan::{Split, SplitBy};
-use crate::images::recipe::NO_LOOKS;
+use crate::images::scene_files::{ClutterFolder, EnvironmentFile};
 use crate::images::workpiece::Coated;
 use crate::images::{IMAGES_FORMAT, ImageRecipe, ImageSet};
 use crate::store::Occupied;
@@ -127,6 +127,13 @@ pub(super) struct ImagesArgs {
     split_by: SplitBy,
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = CONTENTS, help = looks_help())]
     looks: Vec<String>,
+    /// Equirectangular picture in the Radiance format (.hdr) that lights all images, in place of drawn ambient light and
+    /// the panels of `studio`.
+    #[arg(long, value_name = "FILE", help_heading = CONTENTS)]
+    environment: Option<PathBuf>,
+    /// Folder of closed meshes that stand among the clutter of every placement, in drawn sizes.
+    #[arg(long, value_name = "DIR", help_heading = CONTENTS)]
+    clutter: Option<PathBuf>,
     /// At most this many images, with every state of the coating, workpiece, placement and split in its share of the
     /// set; a larger limit with --resume adds to those that are there.
     #[arg(
@@ -281,6 +288,8 @@ impl ImagesArgs {
             voxel_mm: self.voxel_mm,
             split_by: self.split_by,
             looks: chosen_looks(&self.looks)?,
+            environment: self.environment.as_deref().map(EnvironmentFile::of).transpose()?,
+            clutter: self.clutter.as_deref().map(ClutterFolder::of).transpose()?,
         })
     }
 
@@ -300,28 +309,12 @@ impl ImagesArgs {
 
 /// Help of `--looks`.
 fn looks_help() -> String {
-    format!("Looks of the photographs [default: all]: {}", look_names())
-}
-
-fn look_names() -> String {
-    Look::ALL.map(Look::name).join(", ") + ", or " + NO_LOOKS + " alone"
+    format!("Looks of the photographs [default: all]: {}", Look::names())
 }
 
 /// Returns the looks of these names in their order; all of them if no name is given.
 fn chosen_looks(words: &[String]) -> Result<Vec<Look>> {
-    match words {
-        [] => return Ok(Look::ALL.to_vec()),
-        [word] if word == NO_LOOKS => return Ok(Vec::new()),
-        _ => {}
-    }
-    let of = |word: &String| {
-        let found = Look::ALL.into_iter().find(|look| look.name() == word);
-        found.ok_or_else(|| wrong_use(format!("--looks {word}: {} is accepted", look_names())))
-    };
-    let mut looks = words.iter().map(of).collect::<Result<Vec<Look>>>()?;
-    looks.sort_unstable();
-    looks.dedup();
-    Ok(looks)
+    Look::chosen(words).map_err(|unknown| wrong_use(format!("--looks {unknown}")))
 }
 
 /// Reports the tasks without doing them.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Result, anyhow, bail};
-use perception::{Scene, shoot};
+use perception::shoot;
 
 use super::plan::{Planned, PlannedSanding, PlannedView, Treatment};
 use super::workpiece::Coated;
@@ -176,8 +176,8 @@ fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {
             sources.insert("dose".to_owned(), set.attach_dose(&mut part, &sanding, stage)?);
         }
     }
-    let mut scene = Scene::draw(&part, &recipe.seeds(planned), recipe.size, &recipe.looks)?;
-    let shot = shoot(&part, &scene, recipe.size)?;
+    let (mut scene, files) = recipe.scene(&part, &recipe.seeds(planned))?;
+    let shot = shoot(&part, &scene, recipe.size, &files)?;
     scene.sensor.exposure = shot.exposure;
     set.write_image(planned, &shot, scene, sources)
 }

@@ -30,6 +30,7 @@ pub mod plan;
 pub mod recipe;
 pub mod record;
 pub mod sanding;
+pub mod scene_files;
 pub mod view;
 pub mod workpiece;
 

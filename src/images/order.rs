@@ -5,22 +5,10 @@
 //! the count of each treatment, stage, workpiece, placement and split in the first N images is within one of N times
 //! its share in the whole set, and N images are among the first N + 1.
 
-use super::plan::{Planned, Split, SplitBy};
+use perception::{balanced_pairs as pairs, interleaved};
+
+use super::plan::{Planned, SplitBy};
 use super::recipe::ImageRecipe;
-
-/// Yields every pair of one of `first` and one of `second` once; in any prefix the counts of either side differ by at
-/// most one.
-///
-/// Pair k is (k mod `first`, (k + ⌊k / m⌋) mod `second`) with m the least common multiple of both. A run of m pairs has
-/// one difference modulo the greatest common divisor, and the next run begins with the next difference.
-fn pairs(first: usize, second: usize) -> impl Iterator<Item = (usize, usize)> {
-    let run = first / greatest_common_divisor(first, second) * second;
-    (0..first * second).map(move |k| (k % first, (k + k / run) % second))
-}
-
-fn greatest_common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
-}
 
 impl ImageRecipe {
     /// Returns the first `limit` images in the order of this module; a greater limit adds to those of a smaller one.
@@ -49,7 +37,7 @@ impl ImageRecipe {
 
     /// Returns workpiece and placement of every view.
     fn view_order(&self) -> Vec<(usize, usize)> {
-        let spread = spread(&self.splits());
+        let spread = interleaved(&self.splits());
         match self.split_by {
             SplitBy::Placement => {
                 let views = pairs(spread.len(), self.workpieces.len());
@@ -61,21 +49,6 @@ impl ImageRecipe {
             }
         }
     }
-}
-
-/// Orders placements or workpieces such that the splits alternate: the i-th of n in a split has the relative position (i + ½) / n.
-fn spread(splits: &[Split]) -> Vec<usize> {
-    let count = |split: Split| splits.iter().filter(|&&other| other == split).count();
-    let mut taken = [0; Split::ALL.len()];
-    let mut order: Vec<(usize, usize, Split, usize)> = Vec::new();
-    for (placement, &split) in splits.iter().enumerate() {
-        let rank = &mut taken[split as usize];
-        order.push((2 * *rank + 1, 2 * count(split), split, placement));
-        *rank += 1;
-    }
-    // Fractions are compared by their cross products, so that equal fractions compare equal.
-    order.sort_by(|a, b| (a.0 * b.1).cmp(&(b.0 * a.1)).then((a.2, a.3).cmp(&(b.2, b.3))));
-    order.into_iter().map(|(.., placement)| placement).collect()
 }
 
 #[cfg(test)]

@@ -2,50 +2,11 @@
 
 use paths::Pattern;
 use perception::Seeds;
-use serde::{Deserialize, Serialize};
+pub use perception::{Split, SplitBy, Treatment};
 
 use super::recipe::ImageRecipe;
 use super::workpiece::Coated;
 use crate::store::number_from;
-
-/// State of the coating in an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum Treatment {
-    /// Unsanded: the dose is 0 everywhere.
-    Unsanded,
-    /// Sanded along a pattern, up to a stage.
-    Stage {
-        /// Path of the pad.
-        pattern: Pattern,
-        /// Number of completed parts of the path, from 1.
-        stage: u32,
-    },
-    /// Bare: the dose is 1 everywhere.
-    Bare,
-}
-
-/// Split of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Split {
-    /// Training.
-    Train,
-    /// Validation.
-    Validation,
-    /// Test.
-    Test,
-}
-
-/// Unit by which the images are split: all images of one unit are in one split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SplitBy {
-    /// Workpieces: a test shows shapes that training never saw.
-    Workpiece,
-    /// Placements, as in the paper: a test shows known workpieces in other poses.
-    Placement,
-}
 
 /// A placement of a workpiece, seen by one camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,41 +45,6 @@ pub struct PlannedSanding {
     pub workpiece: usize,
     /// Path of the pad.
     pub pattern: Pattern,
-}
-
-impl Split {
-    /// All splits.
-    pub const ALL: [Self; 3] = [Self::Train, Self::Validation, Self::Test];
-
-    /// Returns the name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Train => "train",
-            Self::Validation => "validation",
-            Self::Test => "test",
-        }
-    }
-}
-
-impl SplitBy {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Workpiece, Self::Placement];
-
-    /// Returns the name in flags and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Workpiece => "workpiece",
-            Self::Placement => "placement",
-        }
-    }
-
-    /// Returns a short description for the help.
-    pub fn about(self) -> &'static str {
-        match self {
-            Self::Workpiece => "tests show workpieces that training never saw",
-            Self::Placement => "tests show the same workpieces in other poses",
-        }
-    }
 }
 
 impl ImageRecipe {
@@ -236,16 +162,6 @@ fn view_id(workpiece: &str, placement: u32) -> String {
     format!("{workpiece}-p{placement:02}")
 }
 
-impl Treatment {
-    fn name(self) -> String {
-        match self {
-            Self::Unsanded => "unsanded".to_owned(),
-            Self::Stage { pattern, stage } => format!("{}-s{stage}", pattern.name()),
-            Self::Bare => "bare".to_owned(),
-        }
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod fixture {
     use perception::Shape;
@@ -271,6 +187,8 @@ pub(crate) mod fixture {
             voxel_mm: 0.5,
             split_by: SplitBy::Placement,
             looks: Vec::new(),
+            environment: None,
+            clutter: None,
         }
     }
 }

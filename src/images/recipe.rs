@@ -6,15 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::FOLDERS;
 use super::plan::SplitBy;
+use super::scene_files::{ClutterFolder, EnvironmentFile};
 use super::workpiece::Coated;
 use crate::dataset::MARKER_FILE;
 use crate::store::Marker;
 
 /// Value of the `format` key.
 pub const IMAGES_FORMAT: &str = "robofin-images/3";
-
-/// Word of `--looks` for none.
-pub const NO_LOOKS: &str = "none";
 
 /// Marker of a set of images: all inputs that define its images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,13 +39,19 @@ pub struct ImageRecipe {
     pub split_by: SplitBy,
     /// Looks of the photographs, in their order.
     pub looks: Vec<Look>,
+    /// Picture of the surroundings, in place of drawn ambient light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<EnvironmentFile>,
+    /// Meshes among the clutter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter: Option<ClutterFolder>,
 }
 
 impl ImageRecipe {
     /// Returns the flags that give this recipe.
     pub fn flags(&self) -> Vec<String> {
         let listed = |words: Vec<String>| words.join(",");
-        vec![
+        let mut flags = vec![
             format!("--seed={}", self.seed),
             format!("--workpieces={}", listed(self.workpieces.iter().map(Coated::word).collect())),
             format!("--placements={}", self.placements),
@@ -56,16 +60,11 @@ impl ImageRecipe {
             format!("--size={}x{}", self.size.0, self.size.1),
             format!("--voxel-mm={}", self.voxel_mm),
             format!("--split-by={}", self.split_by.name()),
-            format!("--looks={}", self.looks_word()),
-        ]
-    }
-}
-
-impl ImageRecipe {
-    /// Returns the looks as `--looks` takes them.
-    fn looks_word(&self) -> String {
-        let names: Vec<&str> = self.looks.iter().map(|look| look.name()).collect();
-        if names.is_empty() { NO_LOOKS.to_owned() } else { names.join(",") }
+            format!("--looks={}", Look::listed(&self.looks)),
+        ];
+        flags.extend(self.environment.iter().map(|picture| format!("--environment={}", picture.file)));
+        flags.extend(self.clutter.iter().map(|clutter| format!("--clutter={}", clutter.folder)));
+        flags
     }
 }
 
@@ -90,7 +89,9 @@ impl Marker for ImageRecipe {
             ("stages", self.stages.to_string(), asked.stages.to_string()),
             ("the size", format!("{:?}", self.size), format!("{:?}", asked.size)),
             ("the split", self.split_by.name().to_owned(), asked.split_by.name().to_owned()),
-            ("the looks", self.looks_word(), asked.looks_word()),
+            ("the environment", format!("{:?}", self.environment), format!("{:?}", asked.environment)),
+            ("the clutter", format!("{:?}", self.clutter), format!("{:?}", asked.clutter)),
+            ("the looks", Look::listed(&self.looks), Look::listed(&asked.looks)),
         ];
         let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;
         Some(format!("{name}: {now} there, and {then} now"))

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use perception::{Scene, View, depth_steps, instances, png8, png16};
+use perception::{View, depth_steps, instances, png8, png16};
 use render::to_exr;
 use serde::{Deserialize, Serialize};
 
@@ -72,8 +72,8 @@ impl ImageSet {
         let recipe = &self.recipe;
         let name = &recipe.workpieces[planned.workpiece].name;
         let (part, workpiece_sha256) = self.read_workpiece(name)?;
-        let scene = Scene::draw(&part, &recipe.view_seeds(planned), recipe.size, &recipe.looks)?;
-        let (view, frame) = View::of(&part, &scene, recipe.size)?;
+        let (scene, files) = recipe.scene(&part, &recipe.view_seeds(planned))?;
+        let (view, frame) = View::of(&part, &scene, recipe.size, &files)?;
         let contents = [
             png8(recipe.size, &instances(&frame.buffers))?,
             png16(recipe.size, &depth_steps(&frame.buffers))?,
@@ -120,7 +120,7 @@ impl ImageSet {
 
 #[cfg(test)]
 mod tests {
-    use perception::{Seeds, Shape};
+    use perception::{Scene, SceneFiles, Seeds, Shape};
 
     use super::*;
 
@@ -128,7 +128,7 @@ mod tests {
     fn the_record_of_a_view_with_welds_is_read_as_it_was_written() {
         let part = Shape::Tee.field(3e-3);
         let scene = Scene::draw(&part, &Seeds { placement: 1, image: 1 }, (64, 48), &[]).unwrap();
-        let (view, _) = View::of(&part, &scene, (64, 48)).unwrap();
+        let (view, _) = View::of(&part, &scene, (64, 48), &SceneFiles::default()).unwrap();
         assert!(!view.welds.is_empty());
         let files = [(); 4].map(|()| FileRecord::of_bytes(b""));
         let [id, workpiece, workpiece_sha256] = ["tee-p00", "tee", ""].map(str::to_owned);

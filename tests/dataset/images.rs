@@ -231,6 +231,23 @@ fn nonsense_is_refused_with_what_would_be_accepted() {
 }
 
 #[test]
+fn files_for_scenes_are_refused_by_name_with_what_is_accepted() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let [out, picture, meshes] = ["images", "hall.hdr", "meshes"].map(|name| place.path().join(name));
+    std::fs::write(&picture, "no picture").expect("a file");
+    let told = run(images(&out).arg("--environment").arg(&picture));
+    told.is_refused(1, &["hall.hdr", "Radiance format (.hdr, RGBE) is accepted"]);
+    std::fs::create_dir(&meshes).expect("a folder");
+    std::fs::write(meshes.join("flap.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n")
+        .expect("a file");
+    let told = run(images(&out).arg("--clutter").arg(&meshes));
+    told.is_refused(1, &["--clutter", "flap.obj", "3 boundary edges, and a closed mesh is accepted"]);
+    std::fs::write(meshes.join("flap.obj"), "f 1 2 3\n").expect("a file");
+    run(images(&out).arg("--clutter").arg(&meshes)).is_refused(1, &["flap.obj"]);
+    assert!(!out.exists());
+}
+
+#[test]
 fn a_dry_run_names_everything_and_makes_nothing() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let out = place.path().join("images");
