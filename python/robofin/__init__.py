@@ -16,7 +16,7 @@ raises `RoboFinError` with the program's message; `WrongUse` is the part of it t
 from importlib.util import find_spec
 
 from ._campaign import Campaign, Report, Study
-from ._evaluation import Evaluation, evaluate
+from ._evaluation import Evaluation, Policy, baseline, evaluate
 from ._program import dataset, demo, run
 from ._robofin import (
     Batch,
@@ -56,6 +56,7 @@ __all__ = [
     "Mesh",
     "Model",
     "Path",
+    "Policy",
     "Record",
     "Report",
     "RoboFinError",
@@ -70,6 +71,7 @@ __all__ = [
     "Workpiece",
     "WrongUse",
     "__version__",
+    "baseline",
     "dataset",
     "demo",
     "effects",

@@ -34,16 +34,25 @@ class Evaluation:
     suite: str
     names: tuple[str, ...]
     values: NDArray[np.float64]
+    seeds: tuple[int, ...]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.values[:, self.names.index(name)]
 
     def mean(self, name: str) -> tuple[float, float, float]:
         """Mean of a figure and its interval of 95 %: the bootstrap's percentiles over episodes (Efron 1979)."""
-        values = self[name]
-        draws = np.random.default_rng(0).integers(len(values), size=(DRAWS, len(values)))
-        low, high = np.percentile(values[draws].mean(axis=1), [2.5, 97.5])
-        return float(values.mean()), float(low), float(high)
+        return _interval(self[name])
+
+    def difference(self, other: Evaluation, name: str) -> tuple[float, float, float]:
+        """Mean of this figure less that of another policy, episode by episode, and its interval of 95 %.
+
+        Both must be evaluated on the same suite with the same seeds and keywords: then episode i is the same weld with the
+        same drawn parameters.
+        """
+        if (self.suite, self.seeds) != (other.suite, other.seeds):
+            raise WrongUse(f"{self.policy} ran {self.suite} with seeds {_brief(self.seeds)} and {other.policy} {other.suite} "
+                           f"with seeds {_brief(other.seeds)}; the same suite and seeds are accepted")
+        return _interval(self[name] - other[name])
 
     def table(self) -> dict[str, tuple[float, float, float]]:
         """Means and intervals of all figures."""
@@ -71,11 +80,10 @@ def evaluate(policy: Policy | str, suite: Suite, seeds: Sequence[int] = range(8)
     if not seeds:
         raise WrongUse("no seeds; at least one is accepted")
     if isinstance(policy, str):
-        if policy not in BASELINES:
-            raise WrongUse(f"policy is {policy!r}, and {', '.join(map(repr, BASELINES))} or a function is accepted")
+        act = baseline(policy)
         if keywords.setdefault("observation", "state") != "state":
             raise WrongUse("the baselines read the observation \"state\"")
-        name, act = policy, BASELINES[policy]()
+        name = policy
     else:
         name, act = getattr(policy, "__name__", type(policy).__name__), policy
     environments = FinishingVectorEnv(len(seeds), process=suite.process, tasks=suite, **keywords)
@@ -88,7 +96,19 @@ def evaluate(policy: Policy | str, suite: Suite, seeds: Sequence[int] = range(8)
         running &= ~(terminated | truncated)
         if not running.any():
             break
-    return Evaluation(name, suite.name, names, values)
+    return Evaluation(name, suite.name, names, values, tuple(seeds))
+
+
+def _interval(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Mean and its interval of 95 %: the bootstrap's percentiles over episodes (Efron 1979)."""
+    draws = np.random.default_rng(0).integers(len(values), size=(DRAWS, len(values)))
+    low, high = np.percentile(values[draws].mean(axis=1), [2.5, 97.5])
+    return float(values.mean()), float(low), float(high)
+
+
+def _brief(seeds: tuple[int, ...]) -> str:
+    """Seeds in a message: all of a few, else the first and the last."""
+    return ", ".join(map(str, seeds)) if len(seeds) <= 4 else f"{seeds[0]} to {seeds[-1]} ({len(seeds)} of them)"
 
 
 #: Columns of the state.
@@ -135,3 +155,11 @@ def _oracle(feed: float = 0.5, full: float = 0.5) -> Policy:
 
 #: Policies to compare with.
 BASELINES: dict[str, Callable[[], Policy]] = {"nothing": _nothing, "raster": _raster, "oracle": _oracle}
+
+
+def baseline(name: str) -> Policy:
+    """A fresh baseline: "nothing", "raster" or "oracle". It reads the observation "state" and remembers the direction of
+    each environment, so every batch of environments needs its own."""
+    if name not in BASELINES:
+        raise WrongUse(f"policy is {name!r}, and {', '.join(map(repr, BASELINES))} or a function is accepted")
+    return BASELINES[name]()

@@ -27,6 +27,25 @@ def test_a_function_is_a_policy_and_its_interval_holds_the_mean(suite: robofin.S
     assert "press on grinding/train/easy, 3 episodes" in result._repr_html_()
 
 
+def test_a_difference_is_taken_episode_by_episode_and_only_between_the_same_episodes(suite: robofin.Suite) -> None:
+    drawn = {"grit-dulling.dulling_volume": (100e-9, 1e-6)}
+    one, other, third = (robofin.evaluate(name, suite, seeds=seeds, time_limit=1.0, randomise=drawn)
+                         for name, seeds in (("raster", range(6)), ("nothing", range(6)), ("raster", range(1, 7))))
+    mean, low, high = one.difference(other, "removed_volume")
+    assert mean == pytest.approx(one["removed_volume"].mean() - other["removed_volume"].mean()) and low <= mean <= high
+    assert one.difference(one, "left") == (0.0, 0.0, 0.0) < one.mean("left")
+    with pytest.raises(robofin.WrongUse, match=r"seeds 0 to 5 \(6 of them\).*seeds 1 to 6 \(6 of them\)"):
+        one.difference(third, "left")
+
+
+def test_a_baseline_is_a_function_of_observations(suite: robofin.Suite) -> None:
+    named = robofin.evaluate("oracle", suite, seeds=range(2), time_limit=1.0)
+    given = robofin.evaluate(robofin.baseline("oracle"), suite, seeds=range(2), time_limit=1.0)
+    assert np.array_equal(named.values, given.values)
+    with pytest.raises(robofin.WrongUse, match="'nothing', 'raster', 'oracle'"):
+        robofin.baseline("guess")
+
+
 def test_the_held_out_parts_are_others_and_what_is_unknown_is_refused() -> None:
     held = robofin.suite("grinding", "held-out", count=1)
     assert held.tasks[0].volume > 0.0
