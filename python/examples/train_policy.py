@@ -39,7 +39,7 @@ ARC, OFFSET, ROLL = 0, 1, 2
 STATE = 26
 #: Corrections: logarithm of the force's factor, feed, offset, roll; and how much a correction of one is.
 CORRECTIONS = 4
-FORCE, FEED, SHIFT, TURN = 2.0, 0.4, 0.2, 0.2
+FORCE, FEED, SHIFT, TURN = 1.0, 0.4, 0.2, 0.2
 #: Share of the way to the wanted offset and roll that a step takes, in units of an action.
 APPROACH = 5.0
 #: Observations are cut at so many standard deviations.
@@ -60,16 +60,15 @@ class Settings:
     welds: int = 6
     #: Steps of each environment between two updates.
     horizon: int = 64
-    epochs: int = 8
-    minibatches: int = 16
-    learning_rate: float = 7e-4
-    #: Below 1 it also rewards haste: what is ground off later counts less.
-    discount: float = 0.99
+    epochs: int = 6
+    minibatches: int = 8
+    learning_rate: float = 1e-3
+    discount: float = 0.995
     #: Weight of later steps in an advantage, λ.
     trace: float = 0.95
     clip: float = 0.2
     #: Logarithm of the first standard deviation of corrections.
-    log_std: float = -1.2
+    log_std: float = -1.0
 
 
 class Network(nn.Module):

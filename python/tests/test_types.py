@@ -16,8 +16,9 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("package", ["robofin", "robofin_perception"])
 def test_the_package_is_strictly_typed(package: str) -> None:
-    if package == "robofin_perception" and not importlib.util.find_spec("torch"):
-        pytest.skip("the types of robofin_perception are NOT TESTED: torch is missing")
+    needed = ["safetensors", "torch", "transformers"] if package == "robofin_perception" else []
+    if missing := [name for name in needed if not importlib.util.find_spec(name)]:
+        pytest.skip(f"the types of {package} are NOT TESTED: {', '.join(missing)} missing")
     told = run("mypy", "--strict", "--config-file", str(PACKAGE / "pyproject.toml"), "-p", package)
     assert told.returncode == 0, told.stdout
 
