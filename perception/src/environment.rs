@@ -18,7 +18,7 @@ pub const ENVIRONMENT_ROWS: [u32; 2] = [8, 8192];
 pub enum EnvironmentError {
     /// Not a Radiance file, or a damaged one.
     #[error("{0}; a picture in the Radiance format (.hdr, RGBE) is accepted")]
-    Format(#[from] image::ImageError),
+    Format(image::ImageError),
     /// Not equirectangular, too small or too large.
     #[error("has {0} x {1} pixels; twice as many columns as rows, from {least} to {most} rows are accepted",
         least = ENVIRONMENT_ROWS[0], most = ENVIRONMENT_ROWS[1])]
@@ -50,12 +50,12 @@ impl EnvironmentDraw {
 /// # Errors
 /// [`EnvironmentError`] if it cannot be decoded, is not twice as wide as high, or has no light.
 pub fn environment_map(bytes: &[u8]) -> Result<EnvironmentMap, EnvironmentError> {
-    let decoder = HdrDecoder::new(Cursor::new(bytes))?;
+    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(EnvironmentError::Format)?;
     let (columns, rows) = decoder.dimensions();
     if columns != 2 * rows || !(ENVIRONMENT_ROWS[0]..=ENVIRONMENT_ROWS[1]).contains(&rows) {
         return Err(EnvironmentError::Size(columns, rows));
     }
-    let picture = DynamicImage::from_decoder(decoder)?.into_rgb32f();
+    let picture = DynamicImage::from_decoder(decoder).map_err(EnvironmentError::Format)?.into_rgb32f();
     let pixels = picture.pixels().map(|pixel| Vec3::from_array(pixel.0)).collect();
     EnvironmentMap::new(rows as usize, pixels).ok_or(EnvironmentError::Dark)
 }

@@ -3,10 +3,12 @@
 //! In the order of use:
 //! 1. [`Shape`]: bundled workpieces as distance functions;
 //! 2. [`sand`]: the dose of a pad along a pattern, stage by stage;
-//! 3. [`Scene`]: placement, camera, light, materials and [`Look`]s, drawn at random from seeds;
+//! 3. [`Scene`]: placement, camera, light, materials and [`Look`]s, drawn at random from seeds; [`SceneFiles`] hold
+//!    pictures and meshes that it may use;
 //! 4. [`shoot`]: a photograph and its labels ([`Shot`]), from comparison with the unsanded and the bare workpiece;
 //! 5. [`View`]: camera matrices, boxes, depth, normals and welds, which all photographs of a placement share;
-//! 6. [`coco`], [`yolo`]: annotations in the formats of other programs.
+//! 6. [`coco`], [`yolo`]: annotations in the formats of other programs;
+//! 7. [`Split`], [`Treatment`]: splits and states of the coating of a whole set.
 //!
 //! ```
 //! use perception::{Look, Scene, SceneFiles, Seeds, Shape, shoot};

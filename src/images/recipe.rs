@@ -80,6 +80,13 @@ impl Marker for ImageRecipe {
 
     fn difference(&self, asked: &Self) -> Option<String> {
         let keys = |items: &[Coated]| items.iter().map(|item| item.key.as_str()).collect::<Vec<_>>().join(" ");
+        let word = |file: &str, sha256: &str| format!("{file} ({sha256:.8})");
+        let picture = |of: &Self| of.environment.iter().map(|of| word(&of.file, &of.sha256)).collect::<String>();
+        let meshes = |of: &Self| {
+            let all = of.clutter.iter().flat_map(|clutter| &clutter.meshes);
+            all.map(|mesh| word(&mesh.file, &mesh.sha256)).collect::<Vec<_>>().join(" ")
+        };
+        let or_none = |words: String| if words.is_empty() { "none".to_owned() } else { words };
         let compared = [
             ("version", self.version.clone(), asked.version.clone()),
             ("seed", self.seed.to_string(), asked.seed.to_string()),
@@ -89,8 +96,8 @@ impl Marker for ImageRecipe {
             ("stages", self.stages.to_string(), asked.stages.to_string()),
             ("the size", format!("{:?}", self.size), format!("{:?}", asked.size)),
             ("the split", self.split_by.name().to_owned(), asked.split_by.name().to_owned()),
-            ("the environment", format!("{:?}", self.environment), format!("{:?}", asked.environment)),
-            ("the clutter", format!("{:?}", self.clutter), format!("{:?}", asked.clutter)),
+            ("the environment", or_none(picture(self)), or_none(picture(asked))),
+            ("the clutter", or_none(meshes(self)), or_none(meshes(asked))),
             ("the looks", Look::listed(&self.looks), Look::listed(&asked.looks)),
         ];
         let (name, now, then) = compared.into_iter().find(|(_, now, then)| now != then)?;

@@ -238,8 +238,10 @@ fn files_for_scenes_are_refused_by_name_with_what_is_accepted() {
     let told = run(images(&out).arg("--environment").arg(&picture));
     told.is_refused(1, &["hall.hdr", "Radiance format (.hdr, RGBE) is accepted"]);
     std::fs::create_dir(&meshes).expect("a folder");
-    std::fs::write(meshes.join("flap.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n")
-        .expect("a file");
+    // A pyramid without one of its sides.
+    let corners = "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 5 5 10\n";
+    let open = format!("{corners}f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\n");
+    std::fs::write(meshes.join("flap.obj"), open).expect("a file");
     let told = run(images(&out).arg("--clutter").arg(&meshes));
     told.is_refused(1, &["--clutter", "flap.obj", "3 boundary edges, and a closed mesh is accepted"]);
     std::fs::write(meshes.join("flap.obj"), "f 1 2 3\n").expect("a file");
