@@ -226,6 +226,8 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
     let out = args.out.as_deref().unwrap_or(Path::new(QUICK_OUT));
     let (jobs, limits, recipe) = (jobs(args.jobs), args.limits.limits(), args.recipe()?);
     let steps = args.steps(&recipe)?;
+    let left_out = recipe.clutter.iter().flat_map(|clutter| &clutter.left_out);
+    left_out.for_each(|why| console.step("left out", why));
     let [workpieces, sandings, _, images] = steps.each_ref().map(Vec::len);
     console.step("plan", format!("{images} images from {sandings} simulations on {workpieces} workpieces"));
     if recipe.splits().iter().all(|split| *split == Split::Train) {

@@ -1,6 +1,6 @@
 //! Files that the scenes of a set use: the picture of the surroundings, the meshes among the clutter.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use files::input::{self, MOST_MESH_BYTES};
@@ -29,6 +29,9 @@ pub struct ClutterFolder {
     pub folder: String,
     /// Its meshes, by path.
     pub meshes: Vec<ClutterFile>,
+    /// Reasons why other meshes are left out, each with its path.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
 }
 
 /// A mesh by path and content.
@@ -55,17 +58,21 @@ impl EnvironmentFile {
 }
 
 impl ClutterFolder {
-    /// Reads and checks all meshes below a folder.
+    /// Reads and checks all meshes below a folder; those that are open, unreadable or ambiguous are left out.
     ///
     /// # Errors
-    /// If there is none, or one cannot be read or is open.
+    /// If none is left.
     pub fn of(folder: &Path) -> Result<Self> {
-        let file = |(path, fault): (PathBuf, Option<String>)| match fault {
-            Some(fault) => Err(anyhow!("--clutter {}: {fault}", path.display())),
-            None => ClutterFile::of(&path).context("--clutter"),
-        };
-        let meshes = find_meshes(&[folder.to_owned()])?.into_iter().map(file).collect::<Result<_>>()?;
-        Ok(Self { folder: folder.display().to_string(), meshes })
+        let (mut meshes, mut left_out) = (Vec::new(), Vec::new());
+        for (path, fault) in find_meshes(&[folder.to_owned()])? {
+            let file = fault.map_or_else(|| ClutterFile::of(&path), |fault| Err(anyhow!(fault)));
+            match file.with_context(|| path.display().to_string()) {
+                Ok(file) => meshes.push(file),
+                Err(why) => left_out.push(format!("{why:#}")),
+            }
+        }
+        ensure!(!meshes.is_empty(), "--clutter: no mesh can be used: {}", left_out.join("; "));
+        Ok(Self { folder: folder.display().to_string(), meshes, left_out })
     }
 }
 
@@ -73,7 +80,8 @@ impl ClutterFile {
     fn of(path: &Path) -> Result<Self> {
         let part = Part::load(path, UnitChoice::Auto)?;
         let open = part.cleaning.boundary_edges;
-        ensure!(open == 0, "{}: {open} boundary edges, and a closed mesh is accepted", path.display());
+        ensure!(open == 0, "{open} boundary edges, and a closed mesh is accepted");
+        ClutterMesh::of(&part.mesh)?;
         let height = standing_height(&part.mesh);
         Ok(Self { file: path.display().to_string(), sha256: part.source.sha256, height })
     }

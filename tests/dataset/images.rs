@@ -247,6 +247,16 @@ fn files_for_scenes_are_refused_by_name_with_what_is_accepted() {
     std::fs::write(meshes.join("flap.obj"), "f 1 2 3\n").expect("a file");
     run(images(&out).arg("--clutter").arg(&meshes)).is_refused(1, &["flap.obj"]);
     assert!(!out.exists());
+    // A closed mesh is used, and the other one is named.
+    std::fs::write(
+        meshes.join("pyramid.obj"),
+        format!("{corners}f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"),
+    )
+    .expect("a file");
+    let told = run(images(&out).arg("--clutter").arg(&meshes).args(["--limit", "1"])).succeeds();
+    assert!(told.stderr.contains("left out") && told.stderr.contains("flap.obj"), "{}", told.stderr);
+    let recipe = std::fs::read_to_string(out.join("dataset.json")).expect("the recipe");
+    assert!(recipe.contains("pyramid.obj") && recipe.contains("flap.obj"), "{recipe}");
 }
 
 #[test]
