@@ -74,7 +74,7 @@ pub use scan_data::{
 };
 pub use scan_figures::{ScanFigures, SectionFigures};
 pub use study_state::StudyState;
-pub use tile_covariates::covariate as tile_covariate;
+pub use tile_covariates::{COUNT as TILE_COVARIATES, covariate as tile_covariate};
 pub use unit_text::{superscript, with_raised_powers};
 
 #[cfg(test)]

@@ -5,15 +5,19 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::tile_covariates;
-use lab::{ScanEvidence, ScanView, Simulated};
+use lab::{ScanEvidence, ScanView, Simulated, TileGrid};
 
 /// Tiles that one pass worked on.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct PassTiles {
     /// Index of the trial, from 0.
     pub trial: usize,
     /// Index of the pass, from 0.
     pub pass: usize,
+    /// The grid of tiles.
+    pub grid: TileGrid,
+    /// Cell of each tile in the grid, x running fastest.
+    pub cells: Vec<usize>,
     /// Centre of each tile [m].
     pub centres: Vec<DVec2>,
     /// Residual of each tile: measured minus simulated removal over the simulated one, or measured minus simulated
@@ -37,7 +41,9 @@ impl PassTiles {
         Some(Self {
             trial: view.trial,
             pass: view.pass,
+            grid: tiles.grid,
             centres: field.cells.iter().map(|cell| centres[cell]).collect(),
+            cells: field.cells,
             residuals: field.residuals,
             values: field.values,
         })

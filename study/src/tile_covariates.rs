@@ -35,6 +35,9 @@ const COVARIATES: [(&str, &str, f64); 18] = [
     ("weld metal", "", 1.0),
 ];
 
+/// Number of covariates of a tile.
+pub const COUNT: usize = COVARIATES.len();
+
 /// Name and unit of a covariate.
 pub fn covariate(at: usize) -> (String, DisplayUnit) {
     let (name, unit, si) = COVARIATES[at];

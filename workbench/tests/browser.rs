@@ -181,6 +181,21 @@ fn tool_moves_along_its_way(browser: &mut Browser) {
     browser.click("#way");
 }
 
+/// Colours the part by the mean pressure of the pass.
+fn condition_is_shown(browser: &mut Browser) {
+    let choose = |mode: &str| {
+        format!(
+            "(() => {{ const mode = document.getElementById('mode'); mode.value = '{mode}';
+            mode.dispatchEvent(new Event('change')); }})()"
+        )
+    };
+    browser.value(&choose("covariate 0"));
+    browser.until("document.getElementById('legend').textContent.includes('mean pressure [MPa]')", 60);
+    picture(browser, "workbench-condition.png");
+    browser.value(&choose("deviation"));
+    browser.until("document.getElementById('legend').textContent.includes('simulated')", 60);
+}
+
 /// Drags a box over half of the track: each pass of the trial is listed, and conditions differ.
 fn region_is_looked_at(browser: &mut Browser) {
     browser.click("#mark");
@@ -231,6 +246,7 @@ fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folder: &
     picture(browser, "workbench-part.png");
     tool_moves_along_its_way(browser);
     region_is_looked_at(browser);
+    condition_is_shown(browser);
     browser.click("#turn");
     let page = bench(browser);
     let answer = own(

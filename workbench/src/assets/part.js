@@ -37,8 +37,9 @@ let drawn = 0;
 const query = (extra) => {
   const pass = before ? 0 : +find("pass").value;
   const plain = before && ["deviation", "noise"].includes(find("mode").value);
-  const mode = plain ? "removed" : find("mode").value;
-  return new URLSearchParams({ trial: find("trial").value, pass, whose: find("whose").value, mode, ...turn, ...extra });
+  const [mode, covariate] = plain || (before && find("mode").value.startsWith("covariate")) ? ["removed"] : find("mode").value.split(" ");
+  const shown = covariate === undefined ? { mode } : { mode, covariate };
+  return new URLSearchParams({ trial: find("trial").value, pass, whose: find("whose").value, ...shown, ...turn, ...extra });
 };
 
 const paint = () => {
@@ -89,7 +90,7 @@ const showLegend = (legend) => {
     return;
   }
   box.append(make("div", { className: "steps" }, ...(legend.colours || legend.ramp).map(step)));
-  const ends = legend.ramp ? [0, legend.most / 2, legend.most]
+  const ends = legend.ramp ? [legend.least, (legend.least + legend.most) / 2, legend.most]
     : [...legend.bounds.map((b) => -b).reverse(), 0, ...legend.bounds];
   const shown = ends.length > 9 ? ends.filter((_, k) => k % 2 === (ends.length - 1) / 2 % 2) : ends;
   box.append(make("div", { className: "ends" }, ...shown.map((value) => make("span", {}, number(value, 2)))));

@@ -49,7 +49,12 @@ fn part() -> Markup {
             div.controls {
                 label { "Trial " select #trial {} }
                 label { "after " select #pass {} }
-                label { "shows " select #mode { @for (name, words) in MODES { option value=(name) { (words) } } } }
+                label { "shows " select #mode {
+                    @for (name, words) in MODES { option value=(name) { (words) } }
+                    optgroup label="condition in the pass" { @for at in 0..study::TILE_COVARIATES {
+                        option value={ "covariate " (at) } { (study::tile_covariate(at).0) }
+                    } }
+                } }
                 label { "surface " select #whose {
                     option value="simulated" { "simulated" } option value="measured" { "measured" }
                 } }

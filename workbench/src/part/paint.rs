@@ -1,9 +1,13 @@
 //! A drawing coloured by a map: the shading is kept, the colour comes from the value at the position.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, Vec3};
+use lab::TileGrid;
 use render::{BASE_STEEL, Frame, Picture, VisibleObject, colour_map, from_srgb8, to_srgb8};
 use report::study::ColourScale;
 use serde_json::{Value, json};
+use study::PassTiles;
 
 use crate::bench::{Residuals, ScanMap};
 
@@ -57,6 +61,49 @@ pub(super) fn of_dose(frame: &Frame) -> impl Fn(usize) -> [u8; 3] + '_ {
     |at| to_srgb8(colour_map(frame.dose[at].clamp(0.0, 1.0)))
 }
 
+/// A covariate of a pass, drawn tile by tile.
+pub(super) struct Condition<'a> {
+    tiles: &'a PassTiles,
+    covariate: usize,
+    /// Tile of each cell of the grid.
+    of_cell: BTreeMap<usize, usize>,
+    /// Least and greatest value [SI].
+    range: [f64; 2],
+}
+
+impl<'a> Condition<'a> {
+    /// Prepares a covariate of some tiles.
+    pub(super) fn of(tiles: &'a PassTiles, covariate: usize) -> Self {
+        let of_cell = tiles.cells.iter().enumerate().map(|(tile, cell)| (*cell, tile)).collect();
+        let values = tiles.values[covariate].iter().copied();
+        let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        Self { tiles, covariate, of_cell, range }
+    }
+
+    /// Value at a place in the plane of the scan [SI]; `None` where the pass did not work.
+    fn at(&self, place: DVec2) -> Option<f64> {
+        let TileGrid { pixels, side } = self.tiles.grid;
+        let pixel = pixels.nearest(place)?;
+        let (columns, column) = (self.tiles.grid.shape().0, pixel % pixels.nx / side);
+        let cell = (column < columns).then_some(pixel / pixels.nx / side * columns + column)?;
+        Some(self.tiles.values[self.covariate][*self.of_cell.get(&cell)?])
+    }
+
+    /// Colour at each pixel of a frame.
+    pub(super) fn colours(&self, frame: &'a Frame) -> impl Fn(usize) -> [u8; 3] + '_ {
+        let [least, most] = self.range;
+        let share = move |value: f64| ((value - least) / (most - least).max(f64::MIN_POSITIVE)) as f32;
+        move |at| self.at(place(frame, at)).map_or(MISSING, |value| to_srgb8(colour_map(share(value))))
+    }
+
+    /// Legend from the least to the greatest value.
+    pub(super) fn legend(&self) -> Value {
+        let (name, unit) = study::tile_covariate(self.covariate);
+        let [least, most] = self.range.map(|value| unit.of(value));
+        json!({ "least": least, "title": name, "unit": unit.unit, "ramp": ramp(), "most": most })
+    }
+}
+
 /// Builds the legend of a map: steps with their colours, in micrometres or noise floors.
 pub(super) fn legend_of(map: &ScanMap, in_floors: bool) -> Value {
     let key = |colour: [u8; 3], words: &str| json!({ "colour": css(colour), "words": words });
@@ -80,8 +127,12 @@ fn steps(scale: &ColourScale, unit: f64, name: &str, words: &str) -> Value {
 
 /// Builds the legend of the colour map from zero to a value.
 pub(super) fn legend_to(title: &str, most: f64, unit: &str) -> Value {
-    let colours: Vec<String> = (0..=8).map(|k| css(to_srgb8(colour_map(k as f32 / 8.0)))).collect();
-    json!({ "title": title, "unit": unit, "ramp": colours, "most": most })
+    json!({ "least": 0.0, "title": title, "unit": unit, "ramp": ramp(), "most": most })
+}
+
+/// Colours of the colour map, in nine steps.
+fn ramp() -> Vec<String> {
+    (0..=8).map(|k| css(to_srgb8(colour_map(k as f32 / 8.0)))).collect()
 }
 
 fn css([r, g, b]: [u8; 3]) -> String {

@@ -9,6 +9,7 @@ use render::{Frame, Picture, Raster, RemovedView, Scene, View, render, round_ful
 use sdf_bake::BrickGrid;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use study::PassTiles;
 
 use super::camera::Turn;
 use super::paint;
@@ -35,6 +36,8 @@ pub(crate) enum Mode {
     Noise,
     /// Removed share of the coating.
     Dose,
+    /// A covariate of the last pass done, by [`PictureRequest::covariate`].
+    Covariate,
 }
 
 /// Source of the drawn surface.
@@ -56,6 +59,8 @@ pub(crate) struct PictureRequest {
     pub(crate) trial: usize,
     /// Number of passes done.
     pub(crate) pass: usize,
+    /// Place of the drawn covariate in the list of [`study::tile_covariate`].
+    covariate: Option<usize>,
     /// Source of the surface.
     pub(crate) whose: SurfaceSource,
     /// Colour mode.
@@ -112,6 +117,14 @@ impl PictureData {
         fields.cloned().ok_or_else(|| Refusal::missing("there is no such trial or pass"))
     }
 
+    /// Returns the tiles of the last pass done.
+    pub(super) fn tiles(&self, asked: &PictureRequest) -> Result<&PassTiles, Refusal> {
+        let live = self.live.as_ref().ok_or_else(|| Refusal::early("conditions need a model that is simulated"))?;
+        let is_own = |pass: usize| move |tiles: &&PassTiles| (tiles.trial, tiles.pass) == (asked.trial, pass);
+        let own = asked.pass.checked_sub(1).and_then(|pass| live.tiles.iter().find(is_own(pass)));
+        own.ok_or_else(|| Refusal::missing("conditions need a pass that has worked on the part"))
+    }
+
     /// Returns the residual map of the last pass done; `None` before the first pass, and without a simulated model.
     pub(super) fn map(&self, asked: &PictureRequest) -> Option<&ScanMap> {
         self.live.as_ref()?.map(asked.trial, asked.pass.checked_sub(1)?)
@@ -155,6 +168,13 @@ fn picture(looked: &PictureData, asked: &PictureRequest) -> Result<(Picture, Val
             let frame = render(&field, &camera, &view);
             let picture = paint::painted(&frame, paint::of_map(map, &frame));
             (picture, paint::legend_of(map, asked.mode == Mode::Noise))
+        }
+        (Mode::Covariate, _) => {
+            let tiles = looked.tiles(asked)?;
+            let covariate = asked.covariate.filter(|at| *at < tiles.values.len());
+            let covariate = covariate.ok_or_else(|| Refusal::missing("there is no such condition"))?;
+            let (frame, shown) = (render(&field, &camera, &view), paint::Condition::of(tiles, covariate));
+            (paint::painted(&frame, shown.colours(&frame)), shown.legend())
         }
         (Mode::Dose, _) if !field.dose.is_empty() => {
             let frame = render(&field, &camera, &view);

@@ -45,8 +45,7 @@ struct Contrast {
 /// If no model is simulated yet, there is no pass, or no tile of the pass lies in the region.
 pub(crate) fn region(looked: &PictureData, asked: &PictureRequest, corners: &Line) -> Result<Value, Refusal> {
     let live = looked.live.as_ref().ok_or_else(|| Refusal::early("a region needs a model that is simulated"))?;
-    let own = asked.pass.checked_sub(1).and_then(|pass| of_pass(&live.tiles, asked.trial, pass));
-    let own = own.ok_or_else(|| Refusal::missing("a region needs a pass that has worked on the part"))?;
+    let own = looked.tiles(asked)?;
     let [a, b] = corners.ends();
     let (low, high) = (a.min(b), a.max(b));
     let split = Split::of(own, low, high);
@@ -63,10 +62,6 @@ pub(crate) fn region(looked: &PictureData, asked: &PictureRequest, corners: &Lin
         "passes": passes,
         "covariates": contrasts,
     }))
-}
-
-fn of_pass(tiles: &[PassTiles], trial: usize, pass: usize) -> Option<&PassTiles> {
-    tiles.iter().find(|tiles| (tiles.trial, tiles.pass) == (trial, pass))
 }
 
 /// Residual of a pass in the region; `None` where the pass worked on no tile there.
@@ -145,6 +140,9 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use lab::TileGrid;
+    use sdf_bake::PixelGrid;
+
     use super::*;
 
     /// Ten tiles in a row, 1 mm apart; the residual is a hundredth of the second covariate, the first
@@ -155,6 +153,8 @@ mod tests {
         PassTiles {
             trial: 2,
             pass: 1,
+            grid: TileGrid { pixels: PixelGrid { origin: DVec2::ZERO, pitch: 1e-3, nx: 10, ny: 1 }, side: 1 },
+            cells: (0..10).collect(),
             centres: along.iter().map(|x| DVec2::new(1e-3 * x, 0.0)).collect(),
             residuals: second.iter().map(|value| 0.01 * value).collect(),
             values: vec![along.iter().map(|x| x % 2.0).collect(), second, vec![4.0; 10]],
