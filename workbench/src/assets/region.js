@@ -31,7 +31,7 @@ export const regionTables = (region, trials) => {
   const passes = table("Residual in the region: measured \u2212 simulated removal as a share of it, or share of substrate",
     ["pass", "force", "feed", "tiles", "residual"], region.passes.map(passRow(trials)));
   const conditions = table("Conditions of this pass, those that differ and go with the residual first",
-    ["condition", "here", "elsewhere", "difference [standard deviations]", "correlation with the residual"],
+    ["condition", "here", "elsewhere", "difference [σ]", "correlation with the residual"],
     region.covariates.slice(0, MOST).map(conditionRow));
   return [where, passes, conditions];
 };
