@@ -10,13 +10,16 @@ use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::robust_sum;
 use super::frame::{FrameValues, QUANTITIES};
 use super::scans::{ScanEvidence, ScanView};
-use super::simulation_errors::{WHOLE_SHARE, change_without_lattice_error, lattice_share, without_lattice_error};
+use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
 use crate::criteria::BLUR_WIDEST;
 use trial_simulation::SimulatedPass;
 
 /// Number of blurs tried at first, and the change at which the search ends [pixels].
 const BLUR_STEPS: usize = 6;
 const SETTLED_BLUR: f64 = 3e-4;
+
+/// Largest share of the lattice error at rims: the whole error of a second-order simulation (Richardson 1911).
+const RIM_SHARE_MOST: f64 = 4.0 / 3.0;
 
 /// Nuisance parameters of predictions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,7 +100,7 @@ impl ScanEvidence<'_> {
                 squares += error * error;
             }
         }
-        if squares > 0.0 { (products / squares).clamp(0.0, WHOLE_SHARE) } else { even.lattice_share }
+        if squares > 0.0 { (products / squares).clamp(0.0, RIM_SHARE_MOST) } else { even.lattice_share }
     }
 
     /// Fixes the nuisance parameters at those of a model.

@@ -24,7 +24,7 @@ impl<'a> ScanEvidence<'a> {
     /// surface, and has no lattice error.
     ///
     /// # Errors
-    /// If the model cannot be simulated on a finer lattice.
+    /// If the model cannot be simulated on a lattice twice as fine.
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.frame = None;
         if self.process().signal() == Signal::Dose {

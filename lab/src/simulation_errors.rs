@@ -1,10 +1,10 @@
-//! Errors of the simulation, measured by variants of the same campaign: on a lattice four times as fine; with passes
-//! that begin or end a row of their logs earlier or later; and from the repeated scan before the first pass, which shows how
+//! Errors of the simulation, measured by variants of the same campaign: on a lattice twice as fine; with passes that
+//! begin or end a row of their logs earlier or later; and from the repeated scan before the first pass, which shows how
 //! that scan's noise changes under the tool.
 //!
 //! Near the best values these differences change far less with the parameters than the surface does, so that they are
 //! simulated only once there. The share of the lattice error that the data contain is one degree of freedom of the
-//! campaign, with a prior (Kennedy and O'Hagan 2001): the whole of it where the true surface is smooth (Richardson 1911;
+//! campaign, with a prior (Kennedy and O'Hagan 2001): four thirds where the true surface is smooth (Richardson 1911;
 //! Roache 1994), less where data come from a simulation on a lattice of their own.
 
 use effects::CompiledModel;
@@ -19,19 +19,15 @@ use trial_simulation::{PassEnds, SimulatedPass, Variation};
 use trials::measure::ScanNoise;
 use trials::trial::PassScan;
 
-/// Ratio of the finer to the usual voxel; every pixel stays on a lattice line. At half the voxel the volume of a pass
-/// is still off by 0.1 %, with either sign (docs/diagnosis.md, Limits).
-const FINER: f64 = 0.25;
-/// Share of the difference between both lattices that is the whole error of a second-order simulation (Richardson
-/// 1911).
-pub(super) const WHOLE_SHARE: f64 = 1.0 / (1.0 - FINER * FINER);
+/// Ratio of the finer to the usual voxel; every pixel stays on a lattice line.
+const FINER: f64 = 0.5;
 
 /// Range of depths over which the previous scan's noise may fall to 1/e [m], and number of steps of the search.
 const NOISE_DEPTHS: [f64; 2] = [1e-7, 1e-2];
 const NOISE_DEPTH_STEPS: usize = 150;
 
-/// Prior mean of the share of the lattice error in the data: about 1 where they are smooth or come from a lattice like
-/// the finer one, less where they come from a coarser one.
+/// Prior mean of the share of the lattice error in the data: 1 where they come from a lattice like the finer one, four
+/// thirds where they are smooth.
 const EXPECTED_SHARE: f64 = 1.0;
 const SHARE_SIGMA: f64 = 1.0 / 3.0;
 /// Standard deviation of the share between regions, which may differ in the order of convergence.
