@@ -21,7 +21,7 @@ struct Mean {
 }
 
 /// Tiles of a pass inside a region and outside of it.
-struct Split {
+struct Division {
     inside: Vec<usize>,
     outside: Vec<usize>,
 }
@@ -48,17 +48,17 @@ pub(crate) fn region(looked: &PictureData, asked: &PictureRequest, corners: &Lin
     let own = looked.tiles(asked)?;
     let [a, b] = corners.ends();
     let (low, high) = (a.min(b), a.max(b));
-    let split = Split::of(own, low, high);
-    if split.inside.is_empty() {
+    let division = Division::of(own, low, high);
+    if division.inside.is_empty() {
         return Err(Refusal::wrong("no tile that this pass worked on lies in the region; a larger one is accepted"));
     }
     let passes: Vec<Value> = live.tiles.iter().filter_map(|tiles| pass_in(tiles, low, high)).collect();
-    let contrasts: Vec<Value> = contrasts(own, &split).iter().map(Contrast::to_json).collect();
+    let contrasts: Vec<Value> = contrasts(own, &division).iter().map(Contrast::to_json).collect();
     let (low, high) = (1e3 * low, 1e3 * high);
     Ok(json!({
         "words": format!("x {:.2} to {:.2} mm, y {:.2} to {:.2} mm", low.x, high.x, low.y, high.y),
-        "tiles": split.inside.len(),
-        "elsewhere": mean(split.outside.iter().map(|&tile| own.residuals[tile])).map(Mean::to_json),
+        "tiles": division.inside.len(),
+        "elsewhere": mean(division.outside.iter().map(|&tile| own.residuals[tile])).map(Mean::to_json),
         "passes": passes,
         "covariates": contrasts,
     }))
@@ -66,14 +66,14 @@ pub(crate) fn region(looked: &PictureData, asked: &PictureRequest, corners: &Lin
 
 /// Residual of a pass in the region; `None` where the pass worked on no tile there.
 fn pass_in(tiles: &PassTiles, low: DVec2, high: DVec2) -> Option<Value> {
-    let split = Split::of(tiles, low, high);
-    let residual = mean(split.inside.iter().map(|&tile| tiles.residuals[tile]))?;
+    let division = Division::of(tiles, low, high);
+    let residual = mean(division.inside.iter().map(|&tile| tiles.residuals[tile]))?;
     Some(json!({
-        "trial": tiles.trial, "pass": tiles.pass, "tiles": split.inside.len(), "residual": residual.to_json(),
+        "trial": tiles.trial, "pass": tiles.pass, "tiles": division.inside.len(), "residual": residual.to_json(),
     }))
 }
 
-impl Split {
+impl Division {
     fn of(tiles: &PassTiles, low: DVec2, high: DVec2) -> Self {
         let is_inside = |&tile: &usize| tiles.centres[tile].clamp(low, high) == tiles.centres[tile];
         let (inside, outside) = (0..tiles.centres.len()).partition(is_inside);
@@ -83,10 +83,10 @@ impl Split {
 
 /// Covariates that vary over the pass, those that both distinguish the region and go with the residual first; none
 /// without a tile outside.
-fn contrasts(tiles: &PassTiles, split: &Split) -> Vec<Contrast> {
+fn contrasts(tiles: &PassTiles, division: &Division) -> Vec<Contrast> {
     let contrast = |(covariate, values): (usize, &Vec<f64>)| {
         let of = |tiles: &[usize]| mean(tiles.iter().map(|&tile| values[tile]));
-        let (inside, outside, all) = (of(&split.inside)?, of(&split.outside)?, mean(values.iter().copied())?);
+        let (inside, outside, all) = (of(&division.inside)?, of(&division.outside)?, mean(values.iter().copied())?);
         (all.scatter > LEVEL * all.value.abs()).then(|| Contrast {
             covariate,
             inside: inside.value,
@@ -164,9 +164,9 @@ mod tests {
     #[test]
     fn the_covariate_that_makes_a_region_different_comes_first() {
         let tiles = tiles();
-        let split = Split::of(&tiles, DVec2::new(6.5e-3, -1e-3), DVec2::new(9.5e-3, 1e-3));
-        assert_eq!(split.inside, [7, 8, 9]);
-        let found = contrasts(&tiles, &split);
+        let division = Division::of(&tiles, DVec2::new(6.5e-3, -1e-3), DVec2::new(9.5e-3, 1e-3));
+        assert_eq!(division.inside, [7, 8, 9]);
+        let found = contrasts(&tiles, &division);
         assert_eq!(found.iter().map(|one| one.covariate).collect::<Vec<_>>(), [1, 0], "a level one is left out");
         assert!((found[0].inside - (49.0 + 64.0 + 81.0) / 3.0).abs() < 1e-12);
         assert!((found[0].outside - 13.0).abs() < 1e-12);
