@@ -88,8 +88,12 @@ impl TrialPlace {
             return Err(Refusal::wrong(format!("{}: this folder exists; another name is accepted", last.display())));
         }
         fs::rename(&aside, &last).map_err(|error| unwritable(&last, &error))?;
-        // Folders that hold other trials stay.
-        aside.ancestors().skip(1).take_while(|folder| *folder != root).all(|folder| fs::remove_dir(folder).is_ok());
+        for folder in aside.ancestors().skip(1).take_while(|folder| *folder != root) {
+            // A folder that holds other trials stays, and those above it.
+            if fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
         let findings = checks.iter().flat_map(|check| &check.findings);
         let words = findings.map(|finding| self.without_aside(root, &in_words(finding))).collect();
         Ok((last, words))
