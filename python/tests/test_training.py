@@ -95,8 +95,8 @@ def test_ppo_learns_what_is_rewarded(example: ModuleType) -> None:
 
 def test_the_script_writes_weights_curve_and_figures(tmp_path: Path) -> None:
     words = ["--steps", "3000", "--environments", "2", "--held-out", "1", "--episodes", "1", "--out", str(tmp_path)]
-    told = subprocess.run([sys.executable, str(EXAMPLE), *words], capture_output=True, text=True, check=True).stdout
-    assert "| ppo less raster |" in told
+    output = subprocess.run([sys.executable, str(EXAMPLE), *words], capture_output=True, text=True, check=True).stdout
+    assert "| ppo less raster |" in output
     results = json.loads((tmp_path / "results.json").read_text())
     assert set(results["figures"]) == {"raster", "oracle", "ppo"} and results["settings"]["seed"] == 1
     rows = list(csv.reader((tmp_path / "curve.csv").open()))
@@ -107,6 +107,6 @@ def test_the_script_writes_weights_curve_and_figures(tmp_path: Path) -> None:
 
 def test_the_example_is_strictly_typed() -> None:
     configuration = str(EXAMPLE.parents[1] / "pyproject.toml")
-    told = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--config-file", configuration, str(EXAMPLE)],
+    output = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--config-file", configuration, str(EXAMPLE)],
                           capture_output=True, text=True, cwd=EXAMPLE.parents[1] / "tests")
-    assert told.returncode == 0, told.stdout
+    assert output.returncode == 0, output.stdout

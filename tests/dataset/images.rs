@@ -235,15 +235,15 @@ fn files_for_scenes_are_refused_by_name_with_what_is_accepted() {
     let place = tempfile::tempdir().expect("a temporary folder");
     let [out, picture, meshes] = ["images", "hall.hdr", "meshes"].map(|name| place.path().join(name));
     std::fs::write(&picture, "no picture").expect("a file");
-    let told = run(images(&out).arg("--environment").arg(&picture));
-    told.is_refused(1, &["hall.hdr", "Radiance format (.hdr, RGBE) is accepted"]);
+    let output = run(images(&out).arg("--environment").arg(&picture));
+    output.is_refused(1, &["hall.hdr", "Radiance format (.hdr, RGBE) is accepted"]);
     std::fs::create_dir(&meshes).expect("a folder");
     // A pyramid without one of its sides.
     let corners = "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 5 5 10\n";
     let open = format!("{corners}f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\n");
     std::fs::write(meshes.join("flap.obj"), open).expect("a file");
-    let told = run(images(&out).arg("--clutter").arg(&meshes));
-    told.is_refused(1, &["--clutter", "flap.obj", "3 boundary edges, and a closed mesh is accepted"]);
+    let output = run(images(&out).arg("--clutter").arg(&meshes));
+    output.is_refused(1, &["--clutter", "flap.obj", "3 boundary edges, and a closed mesh is accepted"]);
     std::fs::write(meshes.join("flap.obj"), "f 1 2 3\n").expect("a file");
     run(images(&out).arg("--clutter").arg(&meshes)).is_refused(1, &["flap.obj"]);
     assert!(!out.exists());
@@ -253,8 +253,8 @@ fn files_for_scenes_are_refused_by_name_with_what_is_accepted() {
         format!("{corners}f 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"),
     )
     .expect("a file");
-    let told = run(images(&out).arg("--clutter").arg(&meshes).args(["--limit", "1"])).succeeds();
-    assert!(told.stderr.contains("left out") && told.stderr.contains("flap.obj"), "{}", told.stderr);
+    let output = run(images(&out).arg("--clutter").arg(&meshes).args(["--limit", "1"])).succeeds();
+    assert!(output.stderr.contains("left out") && output.stderr.contains("flap.obj"), "{}", output.stderr);
     let recipe = std::fs::read_to_string(out.join("dataset.json")).expect("the recipe");
     assert!(recipe.contains("pyramid.obj") && recipe.contains("flap.obj"), "{recipe}");
 }
