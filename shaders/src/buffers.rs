@@ -2,9 +2,9 @@
 
 use crate::device::{Device, DeviceFault};
 
-/// Bytes that an upload copies at once. It limits the staging memory, which otherwise would be as large as the array
-/// itself.
-const STAGED: usize = 32 << 20;
+/// Bytes that an upload or a read-back copies at once. It limits the staging memory, which otherwise would be as large
+/// as the array itself.
+pub(crate) const STAGED: usize = 32 << 20;
 
 /// The largest storage buffer a kernel can bind [bytes].
 pub(crate) fn binding_limit(device: &Device) -> u64 {

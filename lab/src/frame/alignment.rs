@@ -78,8 +78,9 @@ impl Search<'_> {
         let usual = |_| ScanEvidence::new(trials, None);
         let mut evidence = ScanEvidence::new(trials, voxel).or_else(usual)?;
         let model = CompiledModel::new(self.model, self.library, evidence.rows())?;
-        if voxel.is_none() {
-            evidence.limit_steps(&model)?;
+        match voxel {
+            None => evidence.limit_steps(&model)?,
+            Some(_) => evidence.abandon_longer(&model)?,
         }
         let fit = fit_roughly(&evidence, &model)?;
         let columns = FrameFreedom::new(&evidence, &fit.model)?.columns;

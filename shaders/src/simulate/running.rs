@@ -4,6 +4,7 @@ use super::{
     Chunk, DeviceFault, Running, STATUS_NEEDS_BRICKS, STATUS_NEEDS_COLUMNS, STATUS_RUNNING, STORAGE, SimulateError,
     TrialCapacity, TrialResults, TrialState, WORD, binding_entry, check, entries, lay_out, mib, read, sizes, zeros,
 };
+use crate::buffers::STAGED;
 use crate::constants::{BRICK_VOXELS, COLUMN_ARRAYS, INSIDE};
 use crate::layout::{LogRecord, TrialSetup};
 
@@ -146,34 +147,58 @@ impl Running<'_> {
     /// # Errors
     /// The device's fault.
     pub fn remains(&self) -> Result<Vec<TrialResults>, DeviceFault> {
-        let device = self.simulator.device;
         let index: Vec<u32> = self.read_all("reading the brick indices back", &self.buffers.index)?;
         let values: Vec<f32> = self.read_all("reading the values back", &self.buffers.values)?;
-        let brick = self.header.planes as usize * BRICK_VOXELS as usize;
-        let each = self.setups.iter().enumerate().map(|(trial, setup)| {
+        let brick = u64::from(self.header.planes) * u64::from(BRICK_VOXELS);
+        let mut results = Vec::new();
+        let mut own_bricks = Vec::new();
+        for (setup, values) in self.setups.iter().zip(values.chunks_exact(self.values_each)) {
             let first = setup.grid_dims[3] as usize;
-            let own_index = index[first..first + entries(setup) as usize].to_vec();
-            let is_own = |slot: &&u32| **slot >= setup.shared_bricks && **slot < INSIDE;
-            let own = own_index.iter().filter(is_own).count();
-            let from = u64::from(setup.spare_first) * brick as u64 * WORD;
-            let bricks = if own == 0 {
-                Vec::new()
-            } else {
-                let during = "reading the bricks back";
-                let staged = device.guarded(during, |device| {
-                    let mut encoder = encoder(device);
-                    let bytes = (own * brick) as u64 * WORD;
-                    let staged = staging(device, bytes);
-                    encoder.copy_buffer_to_buffer(&self.buffers.pool, from, &staged, 0, bytes);
-                    device.queue.submit([encoder.finish()]);
-                    staged
-                })?;
-                read(device, during, &staged)?
-            };
-            let values = values[trial * self.values_each..(trial + 1) * self.values_each].to_vec();
-            Ok(TrialResults { index: own_index, bricks, values })
-        });
-        each.collect()
+            let index = index[first..first + entries(setup) as usize].to_vec();
+            let own = index.iter().filter(|slot| **slot >= setup.shared_bricks && **slot < INSIDE).count();
+            own_bricks.push((u64::from(setup.spare_first) * brick, own as u64 * brick));
+            results.push(TrialResults { index, bricks: Vec::new(), values: values.to_vec() });
+        }
+        let bricks = self.read_ranges("reading the bricks back", &self.buffers.pool, &own_bricks)?;
+        results.iter_mut().zip(bricks).for_each(|(result, bricks)| result.bricks = bricks);
+        Ok(results)
+    }
+
+    /// Reads ranges of a buffer, each a first word and a number of words: many at once, because each read-back waits for
+    /// the device.
+    fn read_ranges(
+        &self,
+        during: &str,
+        buffer: &wgpu::Buffer,
+        ranges: &[(u64, u64)],
+    ) -> Result<Vec<Vec<f32>>, DeviceFault> {
+        let device = self.simulator.device;
+        let mut read_so_far = Vec::with_capacity(ranges.len());
+        let mut rest = ranges;
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(staged_together(rest));
+            let words: u64 = now.iter().map(|(_, words)| words).sum();
+            let staged = device.guarded(during, |device| {
+                let mut encoder = encoder(device);
+                let staged = staging(device, (words * WORD).max(WORD));
+                let mut to = 0;
+                for (from, words) in now.iter().filter(|(_, words)| *words > 0) {
+                    encoder.copy_buffer_to_buffer(buffer, from * WORD, &staged, to * WORD, words * WORD);
+                    to += words;
+                }
+                device.queue.submit([encoder.finish()]);
+                staged
+            })?;
+            let all: Vec<f32> = read(device, during, &staged)?;
+            let mut unread = all.as_slice();
+            for (_, words) in now {
+                let (own, others) = unread.split_at(*words as usize);
+                read_so_far.push(own.to_vec());
+                unread = others;
+            }
+            rest = later;
+        }
+        Ok(read_so_far)
     }
 
     fn read_all<T: bytemuck::Pod>(&self, during: &str, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceFault> {
@@ -186,6 +211,15 @@ impl Running<'_> {
         })?;
         read(device, during, &staged)
     }
+}
+
+/// Number of the first ranges that fit into one staging buffer, at least one.
+fn staged_together(ranges: &[(u64, u64)]) -> usize {
+    let ends = ranges.iter().scan(0, |end, (_, words)| {
+        *end += words * WORD;
+        Some(*end)
+    });
+    ends.take_while(|end| *end <= STAGED as u64).count().max(1)
 }
 
 /// The arrays over a trial's columns.

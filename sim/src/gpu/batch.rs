@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use sdf_bake::BrickGrid;
 use sdf_bake::channels::Scalar;
 use sdf_bake::grid::BRICK_VOXELS;
@@ -275,29 +276,48 @@ fn outcomes(
     (records, states): (Vec<PassRecord>, &[TrialState]),
 ) -> Result<Vec<Outcome>, SimulateError> {
     let remains = running.remains()?;
-    let each = group.iter().zip(records).zip(remains).zip(running.setups().iter().zip(states));
+    let before: Vec<PartBefore> = group.iter().map(PartBefore::of).collect();
+    let each = before.par_iter().zip(&remains).zip(running.setups());
+    let parts: Vec<BrickGrid> =
+        each.map(|((before, remains), setup)| before.changed(remains, (setup, header))).collect();
+    let each = group.iter().zip(records).zip(parts).zip(remains.iter().zip(states));
     Ok(each
-        .map(|(((ready, record), remains), (setup, state))| {
-            let part = changed_part(ready, &remains, (setup, header));
+        .map(|(((ready, record), part), (remains, state))| {
             let tool = readback::states(ready.trial.pass.model, model, &remains.values, &ready.states);
             Outcome { part, tool: tool.unwrap_or_else(|| ready.states.clone()), record: finish(record, state, ready) }
         })
         .collect())
 }
 
-fn changed_part(ready: &Ready, remains: &TrialResults, at: (&shaders::layout::TrialSetup, &RunHeader)) -> BrickGrid {
-    let mut part = ready.trial.part.clone();
-    if ready.sands {
-        part.scalar_or_zero(Scalar::Dose);
+/// A part before a pass, and the channels that the pass writes.
+struct PartBefore<'a> {
+    part: &'a BrickGrid,
+    sands: bool,
+    keeps_removed: bool,
+    grinds: bool,
+}
+
+impl<'a> PartBefore<'a> {
+    fn of(ready: &Ready<'a>) -> Self {
+        let Ready { trial, sands, keeps_removed, setup, .. } = *ready;
+        Self { part: trial.part, sands, keeps_removed, grinds: setup.grinds == 1 }
     }
-    if ready.keeps_removed {
-        part.scalar_or_zero(Scalar::Removed);
+
+    /// The part with what a trial changed.
+    fn changed(&self, remains: &TrialResults, at: (&shaders::layout::TrialSetup, &RunHeader)) -> BrickGrid {
+        let mut part = self.part.clone();
+        if self.sands {
+            part.scalar_or_zero(Scalar::Dose);
+        }
+        if self.keeps_removed {
+            part.scalar_or_zero(Scalar::Removed);
+        }
+        readback::write_bricks(&mut part, remains, at);
+        if self.grinds {
+            part.release_uniform_bricks();
+        }
+        part
     }
-    readback::write_bricks(&mut part, remains, at);
-    if ready.setup.grinds == 1 {
-        part.release_uniform_bricks();
-    }
-    part
 }
 
 /// The completed record of a pass, or the reason for its early end.

@@ -60,9 +60,12 @@ impl Simulation<'_> {
             }
             let alive: Vec<usize> = (0..models.len()).filter(|&n| runs[n].stopped.is_none()).collect();
             let outcomes = self.run_alive(device, number, &alive, (models, &states));
-            for (n, outcome) in alive.into_iter().zip(outcomes) {
-                runs[n].add(self.after(&models[n], (&mut states[n], number), outcome));
-            }
+            let mut of_run: Vec<Option<_>> = models.iter().map(|_| None).collect();
+            alive.into_iter().zip(outcomes).for_each(|(n, outcome)| of_run[n] = Some(outcome));
+            let each = runs.par_iter_mut().zip(&mut states).zip(models).zip(of_run);
+            each.for_each(|(((run, state), model), outcome)| {
+                outcome.into_iter().for_each(|outcome| run.add(self.after(model, (&mut *state, number), outcome)));
+            });
         }
         runs
     }
@@ -77,7 +80,7 @@ impl Simulation<'_> {
     ) -> Vec<Result<sim::gpu::Outcome, sim::gpu::GpuError>> {
         let trial = |&n: &usize| {
             // Before the first pass all runs have the same part, which the device then stores once.
-            let part = if pass == 1 { &self.part } else { &states[n].part };
+            let part = if pass == 1 { &*self.part } else { &states[n].part };
             sim::gpu::Trial { part, pass: self.next_pass(&models[n], &states[n]), tool: &states[n].tool }
         };
         let trials: Vec<sim::gpu::Trial> = alive.iter().map(trial).collect();

@@ -13,6 +13,7 @@ use std::fmt;
 
 use glam::{DVec2, Vec2Swizzles};
 use rayon::prelude::*;
+use sdf_bake::simd::in_wide_lanes;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::super::error::{Place, TrialError};
@@ -254,41 +255,78 @@ fn gaps_along(
 /// Height of a wheel's centre where it touches a map; for a disc the mean height under it, because a pad's foam
 /// averages it out [m]. `None` if nothing is known below.
 fn touch(tool: &HeldTool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relief: f64) -> Option<f64> {
-    let pixels = map.pixels;
-    let (reach, axis) = match &tool.shape {
-        // Beyond this distance a wheel's rim is above its lowest point by more than the map's relief.
-        Tool::Wheel(Wheel { radius, width, .. }) => {
-            ((2.0 * radius * relief).sqrt().min(*radius).hypot(0.5 * width), pose.axis.truncate())
+    match &tool.shape {
+        Tool::Wheel(wheel) => {
+            // Beyond this distance a wheel's rim is above its lowest point by more than the map's relief.
+            let reach = (2.0 * wheel.radius * relief).sqrt().min(wheel.radius).hypot(0.5 * wheel.width);
+            let rows = rows_within(map, at, reach);
+            let most = in_wide_lanes(
+                #[inline(always)]
+                || highest_centre(wheel, pose.axis.truncate(), &rows),
+            );
+            most.is_finite().then_some(most)
         }
-        disc => (disc.rim_radius(), DVec2::ZERO),
-    };
+        disc => {
+            let reach = disc.rim_radius();
+            let under = rows_within(map, at, reach).into_iter().flat_map(|row| row.places().zip(row.heights));
+            let known = under.filter(|(from, height)| from.length_squared() <= reach * reach && height.is_finite());
+            let (sum, count) = known.fold((0.0, 0), |(sum, count), (_, height)| (sum + height, count + 1));
+            (count > 0).then(|| sum / f64::from(count))
+        }
+    }
+}
+
+/// Pixels of a row of a map near a place.
+struct Row<'a> {
+    /// From the place to the first pixel [m].
+    first: DVec2,
+    /// [m]
+    pitch: f64,
+    /// [m]; NaN where unknown.
+    heights: &'a [f64],
+}
+
+impl Row<'_> {
+    /// Positions of the pixels relative to the place [m].
+    #[inline(always)]
+    fn places(&self) -> impl Iterator<Item = DVec2> {
+        let (first, pitch) = (self.first, self.pitch);
+        (0..self.heights.len()).map(move |i| DVec2::new(first.x + pitch * i as f64, first.y))
+    }
+}
+
+/// The pixels of a map within a square of half width `reach` [m] around a place.
+fn rows_within(map: &HeightMap, at: DVec2, reach: f64) -> Vec<Row<'_>> {
+    let pixels = map.pixels;
     let clamp = |value: f64, most: usize| value.clamp(0.0, most as f64) as usize;
     let low = (at - reach - pixels.origin) / pixels.pitch;
     let high = (at + reach - pixels.origin) / pixels.pitch + 1.0;
-    let (mut most, mut sum, mut count) = (f64::NEG_INFINITY, 0.0, 0);
-    for j in clamp(low.y, pixels.ny)..clamp(high.y, pixels.ny) {
-        for i in clamp(low.x, pixels.nx)..clamp(high.x, pixels.nx) {
-            let (height, from) = (map.height(i, j), pixels.position(i, j) - at);
-            match &tool.shape {
-                Tool::Wheel(Wheel { radius, width, .. }) => {
-                    let along = from.dot(axis);
-                    let forward = from.length_squared() - along * along;
-                    if along.abs() <= 0.5 * width && forward < radius * radius && height.is_finite() {
-                        most = most.max(height + (radius * radius - forward).sqrt());
-                    }
-                }
-                _ => {
-                    if from.length_squared() <= reach * reach && height.is_finite() {
-                        (sum, count) = (sum + height, count + 1);
-                    }
-                }
-            }
+    let columns = clamp(low.x, pixels.nx)..clamp(high.x, pixels.nx);
+    let row = |j: usize| Row {
+        first: pixels.position(columns.start, j) - at,
+        pitch: pixels.pitch,
+        heights: &map.heights[j * pixels.nx..][columns.clone()],
+    };
+    if columns.is_empty() { Vec::new() } else { (clamp(low.y, pixels.ny)..clamp(high.y, pixels.ny)).map(row).collect() }
+}
+
+/// Height of the centre of a wheel with an axis along `axis` where it touches the highest pixel [m]; −∞ where nothing is
+/// known.
+#[inline(always)]
+fn highest_centre(wheel: &Wheel, axis: DVec2, rows: &[Row]) -> f64 {
+    let (half, squared) = (0.5 * wheel.width, wheel.radius * wheel.radius);
+    let mut most = f64::NEG_INFINITY;
+    for row in rows {
+        for (from, &height) in row.places().zip(row.heights) {
+            let along = from.dot(axis);
+            let forward = from.length_squared() - along * along;
+            let centre = height + (squared - forward).max(0.0).sqrt();
+            // Without branches, so that several pixels are taken at once; an unknown height is never above.
+            let is_above = (along.abs() <= half) & (forward < squared) & (centre > most);
+            most = if is_above { centre } else { most };
         }
     }
-    match &tool.shape {
-        Tool::Wheel(_) => most.is_finite().then_some(most),
-        _ => (count > 0).then(|| sum / f64::from(count)),
-    }
+    most
 }
 
 impl Frame {
