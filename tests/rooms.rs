@@ -23,7 +23,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("trials", &["effects", "files", "instruments", "random", "robot", "sdf-bake"]),
     ("paths", &["instruments", "robot", "sdf-bake", "sim", "trials"]),
     ("perception", &["effects", "export", "paths", "random", "render", "robot", "sdf-bake", "sim"]),
-    ("environments", &["effects", "random", "robot", "sdf-bake", "sim"]),
+    ("environments", &["effects", "random", "render", "robot", "sdf-bake", "sim"]),
     ("trial-simulation", &["effects", "robot", "sdf-bake", "shaders", "sim", "trials"]),
     ("lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
     ("experiments", &["effects", "lab", "robot", "sdf-bake", "trial-simulation", "trials"]),

@@ -88,8 +88,14 @@ impl<'a> Lanes<'a> {
     #[must_use]
     #[inline]
     pub fn with(mut self, variable: Variable, values: &'a [f64]) -> Self {
-        self.values[variable as usize] = values;
+        self.set(variable, values);
         self
+    }
+
+    /// The same in place.
+    #[inline]
+    pub fn set(&mut self, variable: Variable, values: &'a [f64]) {
+        self.values[variable as usize] = values;
     }
 
     /// Adds the fractional tool cell index of each contact cell: 2.25 is a quarter of the way from the centre of cell 2

@@ -8,6 +8,7 @@ use glam::DQuat;
 use random::Stream;
 use robot::{Controller, Tool};
 use sdf_bake::BrickGrid;
+use sdf_bake::channels::Scalar;
 use sim::{Pass, PassError, PassRecord, PassSettings, Path, PathSample, TOOL_CELLS, Underway, run_stretch};
 
 use crate::action::{ACTION, Limits, Stance};
@@ -123,13 +124,22 @@ impl Environment {
             randomisations.iter().for_each(|randomisation| randomisation.draw(drawn, &mut stream));
         }
         self.time_limit = time_limit.unwrap_or_else(|| self.usual_time());
-        self.part = Arc::new(self.task.part.clone());
+        self.part = Arc::new(self.fresh_part());
         self.strip = self.task.strip.clone();
         self.states = States::new(&self.model, TOOL_CELLS);
         (self.underway, self.stance, self.metrics) = Default::default();
         (self.force, self.pass_time, self.squared_error, self.passes) = (0.0, 0.0, 0.0, 0);
         self.cost = cost(&self.task, &self.strip);
         self.metrics.look(&self.task, &self.strip);
+    }
+
+    /// Returns a copy of the task's part. For photographs it records the removed depth, by which ground metal shines.
+    fn fresh_part(&self) -> BrickGrid {
+        let mut part = self.task.part.clone();
+        if self.setup.observation == Observation::Rgb {
+            part.scalar_or_zero(Scalar::Removed);
+        }
+        part
     }
 
     /// Returns the default time limit [s]: for grinding, twice the removal time at half the greatest force, plus one

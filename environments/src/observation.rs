@@ -4,6 +4,7 @@ use effects::Signal;
 use sim::surface::way_to_surface;
 
 use crate::environment::Environment;
+use crate::picture::{RGB, photograph};
 use crate::strip::PITCH;
 
 /// Number of zones along the weld in the state: behind the tool, below it, ahead of it.
@@ -22,10 +23,10 @@ pub const STATE: usize = FIGURES + ZONES * BINS;
 pub const HEIGHTS: [usize; 2] = [32, 16];
 /// Shape of the depth image [pixels].
 pub const DEPTH: [usize; 2] = [32, 32];
-/// Side length of the area in the depth image [m].
-const SHOWN: f64 = 30e-3;
-/// Height of the depth camera above the surface below the weld [m].
-const CAMERA: f64 = 40e-3;
+/// Side length of the area in the depth image and the photograph [m].
+pub(crate) const SHOWN: f64 = 30e-3;
+/// Height of their camera above the surface below the weld [m].
+pub(crate) const CAMERA: f64 = 40e-3;
 
 /// Type of observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +38,8 @@ pub enum Observation {
     Heights,
     /// Distance [m] from an orthographic camera above the tool: shape [`DEPTH`].
     Depth,
+    /// Photograph by that camera, eight-bit sRGB colours: shape [`RGB`].
+    Rgb,
 }
 
 impl Observation {
@@ -46,6 +49,7 @@ impl Observation {
             Self::State => vec![STATE],
             Self::Heights => HEIGHTS.to_vec(),
             Self::Depth => DEPTH.to_vec(),
+            Self::Rgb => RGB.to_vec(),
         }
     }
 
@@ -60,6 +64,7 @@ impl Observation {
             Self::State => state(environment, out),
             Self::Heights => heights(environment, out),
             Self::Depth => depth(environment, out),
+            Self::Rgb => photograph(environment, out),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use effects::{CompiledModel, Library, Model, Process, RowCounts};
 use environments::{
-    ACTION, Batch, Limits, METRICS, Observation, Outputs, Randomisation, STATE, Setup, Task, WeldFacts,
+    ACTION, Batch, Limits, METRICS, Observation, Outputs, RGB, Randomisation, STATE, Setup, Task, WeldFacts,
 };
 use glam::DVec3;
 use robot::{Controller, Pad, Tool, Wheel};
@@ -142,6 +142,35 @@ fn a_snapshot_goes_on_to_the_same_bytes_and_the_next_episode_is_another() {
     assert_ne!(run(&mut batch, 17)[5..], first[..], "another draw");
     batch.environment_mut(0).reset(Some(8));
     assert_eq!(run(&mut batch, 17)[5..], first[..]);
+}
+
+#[test]
+fn a_photograph_is_the_same_on_any_number_of_threads_and_shows_ground_metal() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut batch = Batch::new(setup(Process::Grinding, Observation::Rgb), 2, 3).unwrap();
+            let mut written = Written::new(2, Observation::Rgb.size());
+            let mut shown = Vec::new();
+            for _ in 0..12 {
+                written.step(&mut batch, [0.0, 0.0, 0.0, 0.0, 1.0]);
+                shown.push(written.observations.clone());
+            }
+            shown
+        })
+    };
+    let shown = run(1);
+    assert_eq!(shown, run(3));
+    let [height, width, colours] = RGB;
+    let (first, last) = (&shown[0], &shown[11]);
+    assert!(first.iter().all(|value| value.fract() == 0.0 && (0.0..=255.0).contains(value)));
+    let change = |row: usize, column: usize| {
+        let at = (row * width + column) * colours;
+        (first[at] - last[at]).abs()
+    };
+    // The wheel stands in the middle; beside the weld nothing changes.
+    assert!(change(height / 2, width / 2) > 10.0, "{}", change(height / 2, width / 2));
+    assert!((0..height).all(|row| change(row, 4) < 3.0));
 }
 
 #[test]

@@ -8,6 +8,12 @@ At first it changes nothing, so training starts from the baseline. The wheel is 
 effect and is left alone. The algorithm is proximal policy optimisation (Schulman et al. 2017) with generalised advantage
 estimation (Schulman et al. 2016). The same seed gives the same policy, bit for bit, on one kind of processor.
 
+The policy shall leave as little bead as possible and gouge no deeper than the baseline "raster" does on the training
+welds. So the reward is the fall of the bead left less the rise of the gouge's depth times a price, and the price rises
+while episodes gouge deeper than the raster (dual ascent, Altman 1999). At the end one number is chosen, the greatest factor
+of all forces with which the policy gouges no deeper than the raster on the training welds. The "scaled oracle" of the
+results is the oracle with a factor that is chosen in the same way. Held-out welds are used once, to judge.
+
 Written are `policy.pt` (weights), `curve.svg` (learning curve), `curve.csv` and `results.json` (held-out figures).
 """
 
@@ -22,6 +28,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from learning_curve import Curve, drawn
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
@@ -34,12 +41,16 @@ RANDOMISE: dict[str, tuple[float, float] | None] = {
 #: Figures that are compared on held-out welds, with their unit and its factor from SI.
 FIGURES = {"left": ("1", 1.0), "gouge_depth": ("µm", 1e6), "gouge_volume": ("mm³", 1e9), "time": ("s", 1.0),
            "return": ("1", 1.0)}
+#: Columns of the metrics: bead left [1], depth of the gouges [m].
+COLUMNS = [robofin.Batch.metric_names().index(name) for name in ("left", "gouge_depth")]
 #: Columns of the state: place along the weld, offset, roll.
 ARC, OFFSET, ROLL = 0, 1, 2
 STATE = 26
 #: Corrections: logarithm of the force's factor, feed, offset, roll; and how much a correction of one is.
 CORRECTIONS = 4
-FORCE, FEED, SHIFT, TURN = 1.0, 0.4, 0.2, 0.2
+FORCE, FEED, SHIFT, TURN = 2.0, 0.4, 0.2, 0.2
+#: Greatest logarithm of the force's factor; range of that of all forces, and how often it is halved.
+STRONGEST, STRENGTHS, HALVINGS = 2.0, (-1.0, 1.5), 5
 #: Share of the way to the wanted offset and roll that a step takes, in units of an action.
 APPROACH = 5.0
 #: Observations are cut at so many standard deviations.
@@ -56,8 +67,9 @@ class Settings:
     #: Steps of all environments together.
     steps: int = 160_000
     environments: int = 32
-    #: Training welds.
+    #: Training welds, and episodes on them that measure the baselines and choose the factor of the forces.
     welds: int = 6
+    measured: int = 32
     #: Steps of each environment between two updates.
     horizon: int = 64
     epochs: int = 6
@@ -68,7 +80,10 @@ class Settings:
     trace: float = 0.95
     clip: float = 0.2
     #: Logarithm of the first standard deviation of corrections.
-    log_std: float = -1.0
+    log_std: float = -1.2
+    #: First price of a gouge [1/mm], and how fast it follows the excess of the depth.
+    price: float = 1.0
+    haggling: float = 0.05
 
 
 class Network(nn.Module):
@@ -80,6 +95,8 @@ class Network(nn.Module):
         self.log_std = nn.Parameter(torch.full((CORRECTIONS,), log_std))
         self.mean, self.variance, self.count = (
             nn.Buffer(start) for start in (torch.zeros(inputs), torch.ones(inputs), torch.tensor(1e-4)))
+        #: Logarithm of a factor of all forces.
+        self.strength = nn.Buffer(torch.tensor(0.0))
 
     def learn_scale(self, seen: Tensor) -> None:
         """Adds inputs of shape `[n, inputs]` to the running mean and variance (Chan et al. 1979)."""
@@ -126,11 +143,12 @@ class Guide:
         self.actions = self.act(seen)
         return np.concatenate([seen, self.actions[:, [0, 4]]], axis=1)
 
-    def corrected(self, seen: Floats, corrections: Floats) -> Floats:
-        """Actions of shape `[n, 5]` from corrections of shape `[n, 4]`; where the baseline lifts the tool, it is lifted."""
+    def corrected(self, seen: Floats, corrections: Floats, strength: float = 0.0) -> Floats:
+        """Actions of shape `[n, 5]` from corrections of shape `[n, 4]` and the logarithm of a factor of all forces; where
+        the baseline lifts the tool, it is lifted."""
         force, feed, shift, turn = corrections.T
         actions = self.actions.copy()
-        actions[:, 4] = (actions[:, 4] + 1.0) * np.exp(np.clip(FORCE * force, -2.0, 2.0)) - 1.0
+        actions[:, 4] = (actions[:, 4] + 1.0) * np.exp(np.clip(FORCE * force + strength, -STRONGEST, STRONGEST)) - 1.0
         actions[:, 0] *= np.clip(1.0 + FEED * feed / 0.5, 0.0, 2.0)
         actions[:, 1] = APPROACH * (SHIFT * shift - seen[:, OFFSET])
         actions[:, 2] = APPROACH * (TURN * turn - seen[:, ROLL])
@@ -145,9 +163,35 @@ def policy(network: Network) -> robofin.Policy:
     def ppo(seen: Floats) -> Floats:
         with torch.no_grad():
             inputs = network.normalised(torch.from_numpy(guide.inputs(seen)))
-            return guide.corrected(seen, network.actor(inputs).numpy())
+            return guide.corrected(seen, network.actor(inputs).numpy(), float(network.strength))
 
     return ppo
+
+
+def oracle() -> Network:
+    """The oracle as a network that corrects nothing."""
+    network = Network(STATE + 2, 0.0)
+    for parameter in network.actor.parameters():
+        nn.init.zeros_(parameter)
+    return network
+
+
+def depth_on(suite: robofin.Suite, judged: robofin.Policy | str, episodes: int) -> float:
+    """Mean depth of the gouges of a policy on a suite [mm]."""
+    return 1e3 * robofin.evaluate(judged, suite, range(episodes), randomise=RANDOMISE).mean("gouge_depth")[0]
+
+
+def choose_strength(network: Network, suite: robofin.Suite, depth: float, episodes: int) -> None:
+    """Sets the greatest factor of all forces with which the policy gouges to a mean depth of at most `depth` [mm] in some
+    episodes on a suite, by bisection of the range of its logarithm."""
+    low, high = STRENGTHS
+    for _ in range(HALVINGS):
+        network.strength.fill_(0.5 * (low + high))
+        if depth_on(suite, policy(network), episodes) > depth:
+            high = float(network.strength)
+        else:
+            low = float(network.strength)
+    network.strength.fill_(low)
 
 
 @dataclass
@@ -200,23 +244,36 @@ class Trainer:
         self.guide = Guide()
         self.seen, _ = self.environments.reset(seed=1000 * settings.seed)
         self.begins = np.zeros(settings.environments, dtype=np.bool_)
+        self.figures = np.tile([1.0, 0.0], (settings.environments, 1))
+        self.price, self.depth = settings.price, depth_on(tasks, "raster", settings.measured)
 
-    def update(self, share_left: float) -> list[float]:
-        """A rollout and an improvement at a share of the learning rate. Returns the returns of episodes that ended."""
+    def update(self, share_left: float) -> list[list[float]]:
+        """A rollout and an improvement at a share of the learning rate. Returns the bead left [1] and the depth of the
+        gouges [mm] of each episode that ended."""
         for group in self.optimiser.param_groups:
             group["lr"] = share_left * self.settings.learning_rate
-        rollout, returns = self._collect()
+        rollout, ended = self._collect()
         with torch.no_grad():
             last = self.network.value(self.network.normalised(torch.from_numpy(self.guide.inputs(self.seen))))
             advantages = rollout.advantages(last, self.settings)
         self._improve(rollout, advantages)
         self.network.learn_scale(rollout.inputs[rollout.counts])
-        return returns
+        if ended:
+            excess = float(np.mean(ended, axis=0)[1]) / self.depth - 1.0
+            self.price *= float(np.exp(self.settings.haggling * len(ended) / self.settings.environments * excess))
+        return ended
+
+    def _reward(self, metrics: NDArray[np.float64], begins: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Fall of the bead left, less the rise of the gouge's depth times the price, shape `[n]`."""
+        figures = metrics[:, COLUMNS] * [1.0, 1e3]
+        before = np.where(begins[:, None], figures, self.figures)
+        self.figures = figures
+        rewards: NDArray[np.float64] = (before - figures) @ [1.0, self.price]
+        return rewards
 
     @torch.no_grad()
-    def _collect(self) -> tuple[Rollout, list[float]]:
-        rollout, returns = Rollout.empty(self.settings), []
-        column = robofin.Batch.metric_names().index("return")
+    def _collect(self) -> tuple[Rollout, list[list[float]]]:
+        rollout, ended = Rollout.empty(self.settings), []
         for step in range(self.settings.horizon):
             rollout.inputs[step] = torch.from_numpy(self.guide.inputs(self.seen))
             inputs = self.network.normalised(rollout.inputs[step])
@@ -226,12 +283,12 @@ class Trainer:
             rollout.corrections[step], rollout.values[step] = corrections, self.network.value(inputs)
             rollout.log_probabilities[step] = self.network.log_probability(inputs, corrections)
             rollout.counts[step] = torch.from_numpy(~self.begins)
-            self.seen, rewards, terminated, truncated, infos = self.environments.step(actions)
+            self.seen, _, terminated, truncated, infos = self.environments.step(actions)
+            rollout.rewards[step] = torch.from_numpy(self._reward(infos["metrics"], self.begins))
             self.begins = terminated | truncated
-            rollout.rewards[step] = torch.from_numpy(rewards)
             rollout.ended[step] = torch.from_numpy(self.begins)
-            returns += infos["metrics"][self.begins, column].tolist()
-        return rollout, returns
+            ended += self.figures[self.begins].tolist()
+        return rollout, ended
 
     def _improve(self, rollout: Rollout, advantages: Tensor) -> None:
         counts = rollout.counts
@@ -251,31 +308,28 @@ class Trainer:
                 self.optimiser.step()
 
 
-#: Steps so far, and mean return of the episodes that ended since the last row.
-Curve = list[tuple[int, float]]
-
-
 def train(settings: Settings) -> tuple[Network, Curve]:
-    """Trains for `settings.steps`, printing the mean return of training episodes."""
+    """Trains for `settings.steps`, printing the figures of training episodes."""
     trainer, curve, begun = Trainer(settings), Curve(), time.monotonic()
     batch = settings.horizon * settings.environments
     updates = max(1, settings.steps // batch)
-    recent: list[float] = []
+    recent: list[list[float]] = []
     for update in range(updates):
         recent += trainer.update(1.0 - update / updates)
         if len(recent) >= settings.environments or update + 1 == updates and recent:
-            curve.append((batch * (update + 1), float(np.mean(recent))))
-            print(f"{curve[-1][0]:7d} steps, {time.monotonic() - begun:4.0f} s, return {curve[-1][1]:.3f}", flush=True)
+            left, depth = np.mean(recent, axis=0)
+            curve.append((batch * (update + 1), float(left), float(depth)))
+            print(f"{curve[-1][0]:7d} steps, {time.monotonic() - begun:4.0f} s, left {left:.3f}, gouge {1e3 * depth:.0f} µm, "
+                  f"price {trainer.price:.2f} 1/mm", flush=True)
             recent = []
     return trainer.network, curve
 
 
-def judge(network: Network, welds: int, seeds: Sequence[int]) -> dict[str, robofin.Evaluation]:
-    """Figures of the baselines and the policy on held-out welds under the randomisation of training."""
-    suite = robofin.suite("grinding", "held-out", count=welds)
-    judged: list[robofin.Policy | str] = ["raster", "oracle", policy(network)]
-    found = [robofin.evaluate(each, suite, seeds, randomise=RANDOMISE) for each in judged]
-    return {evaluation.policy: evaluation for evaluation in found}
+def judge(networks: dict[str, Network], suite: robofin.Suite, seeds: Sequence[int]) -> dict[str, robofin.Evaluation]:
+    """Figures of the baselines and of networks on a suite under the randomisation of training."""
+    judged: dict[str, robofin.Policy | str] = {"raster": "raster", "oracle": "oracle"}
+    judged |= {name: policy(network) for name, network in networks.items()}
+    return {name: robofin.evaluate(each, suite, seeds, randomise=RANDOMISE) for name, each in judged.items()}
 
 
 def table(found: dict[str, robofin.Evaluation]) -> str:
@@ -292,37 +346,6 @@ def table(found: dict[str, robofin.Evaluation]) -> str:
     return "\n".join(lines)
 
 
-def drawn(curve: Curve, marks: dict[str, float]) -> str:
-    """The learning curve as SVG; `marks` are returns of baselines, drawn as dashed lines."""
-    width, height, left, bottom = 640, 320, 60, 50
-    values = [value for _, value in curve] + list(marks.values())
-    low, high = np.floor(10 * min(values)) / 10, np.ceil(10 * max(values)) / 10
-    last = curve[-1][0]
-
-    def at(steps: float, value: float) -> tuple[float, float]:
-        return (left + (width - left - 90) * steps / last,
-                height - bottom - (height - bottom - 20) * (value - low) / (high - low))
-
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" '
-             f'font-size="13"><rect width="{width}" height="{height}" fill="white"/>']
-    for value in np.arange(low, high + 1e-9, 0.1):
-        (x0, y), (x1, _) = at(0, value), at(last, value)
-        parts.append(f'<path d="M{x0:.1f} {y:.1f}H{x1:.1f}" stroke="#ddd"/>'
-                     f'<text x="{x0 - 8:.1f}" y="{y + 4:.1f}" text-anchor="end">{value:.1f}</text>')
-    for name, value in marks.items():
-        (x0, y), (x1, _) = at(0, value), at(last, value)
-        parts.append(f'<path d="M{x0:.1f} {y:.1f}H{x1:.1f}" stroke="#888" stroke-dasharray="6 4"/>'
-                     f'<text x="{x1 + 6:.1f}" y="{y + 4:.1f}">{name}</text>')
-    line = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(*row) for row in curve))
-    end = at(*curve[-1])
-    parts.append(f'<polyline points="{line}" fill="none" stroke="#06c" stroke-width="2"/>'
-                 f'<text x="{end[0] + 6:.1f}" y="{end[1] + 4:.1f}" fill="#06c">ppo</text>')
-    middle = at(last / 2, low)
-    parts.append(f'<text x="{middle[0]:.1f}" y="{height - 14}" text-anchor="middle">steps in training, 0 to {last}; '
-                 f"up: mean return of training episodes</text></svg>")
-    return "\n".join(parts) + "\n"
-
-
 def main(words: Sequence[str] | None = None) -> None:
     """Trains, judges and writes."""
     parser = argparse.ArgumentParser(description="Trains a grinding policy with PPO and judges it on held-out welds.")
@@ -330,25 +353,32 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=Settings.seed)
     parser.add_argument("--steps", type=int, default=Settings.steps, help="of all environments together")
     parser.add_argument("--environments", type=int, default=Settings.environments)
+    parser.add_argument("--measured", type=int, default=Settings.measured, help="episodes on training welds that choose")
     parser.add_argument("--held-out", type=int, default=12, help="held-out welds")
     parser.add_argument("--episodes", type=int, default=32, help="held-out episodes")
     given = parser.parse_args(words)
-    settings = Settings(seed=given.seed, steps=given.steps, environments=given.environments)
+    settings = Settings(given.seed, given.steps, given.environments, measured=given.measured)
     network, curve = train(settings)
     if not curve:
         raise robofin.WrongUse(f"--steps is {given.steps}, in which no episode ended; about 500 per environment are needed")
+    training, networks = robofin.suite("grinding", "train", count=settings.welds), {"scaled oracle": oracle(), "ppo": network}
+    depth = depth_on(training, "raster", settings.measured)
+    for name, each in networks.items():
+        choose_strength(each, training, depth, settings.measured)
+        print(f"factor of all forces, {name}: {float(each.strength.exp()):.2f}", flush=True)
     given.out.mkdir(parents=True, exist_ok=True)
     torch.save(network.state_dict(), given.out / "policy.pt")
-    (given.out / "curve.csv").write_text("steps,return\n" + "".join(f"{a},{b:.6f}\n" for a, b in curve))
-    found = judge(network, given.held_out, range(given.episodes))
-    training = robofin.suite("grinding", "train", count=settings.welds)
-    marks = {name: robofin.evaluate(name, training, range(given.episodes), randomise=RANDOMISE).mean("return")[0]
-             for name in ("raster", "oracle")}
+    rows = "".join(f"{steps},{left:.6f},{1e3 * depth:.3f}\n" for steps, left, depth in curve)
+    (given.out / "curve.csv").write_text("steps,left,gouge_depth_um\n" + rows)
+    known = judge(networks, training, range(settings.measured))
+    print("training welds:", table(known), sep="\n")
+    marks = {name: (each.mean("left")[0], 1e3 * each.mean("gouge_depth")[0]) for name, each in known.items() if name != "ppo"}
+    found = judge(networks, robofin.suite("grinding", "held-out", count=given.held_out), range(given.episodes))
+    print("held-out welds:", table(found), sep="\n")
     (given.out / "curve.svg").write_text(drawn(curve, marks), encoding="utf-8")
     figures = {name: {figure: each.mean(figure) for figure in FIGURES} for name, each in found.items()}
     results = {"settings": asdict(settings), "welds": given.held_out, "episodes": given.episodes, "figures": figures}
     (given.out / "results.json").write_text(json.dumps(results, indent=2) + "\n")
-    print(table(found))
 
 
 if __name__ == "__main__":

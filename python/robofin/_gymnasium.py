@@ -44,7 +44,7 @@ class FinishingVectorEnv(VectorEnv[Array, Array, Array]):
     - `process`: "grinding" or "sanding"
     - `tasks`: a suite; without one, the training suite of `difficulty`
     - `observation`: "state" (26 numbers), "heights" (32 stations of 16 points [mm] around the tool, or what is left of the
-      coating) or "depth" (32 x 32 pixels [m] from above the tool)
+      coating), "depth" (32 x 32 pixels [m] from above the tool) or "rgb" (64 x 64 pixels of three bytes, by the same camera)
     - `randomise`: names of parameters that are drawn for each episode from the range of their effect file, or names with
       ranges [SI]; their effects are added to the model
     - `limits`: changes to the limits of actions, such as `{"force": 40.0}`
@@ -73,6 +73,8 @@ class FinishingVectorEnv(VectorEnv[Array, Array, Array]):
                            randomise=list(ranges.items()), limits=list((limits or {}).items()), time_limit=time_limit)
         shape = tuple(self.batch.observation_shape)
         self.single_observation_space = Box(-np.inf, np.inf, shape, np.float32)
+        if observation == "rgb":
+            self.single_observation_space = Box(0, 255, shape, np.uint8)
         self.single_action_space = Box(-1.0, 1.0, (ACTION,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -93,7 +95,7 @@ class FinishingVectorEnv(VectorEnv[Array, Array, Array]):
             seeds = [None] * self.num_envs if seed is None else [None if one is None else int(one) for one in seed]
         observations = np.empty(self._shape, dtype=np.float32)
         self.batch.reset(seeds, mask, observations)
-        return observations, {}
+        return self._seen(observations), {}
 
     def step(self, actions: Array) -> tuple[Array, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_],
                                             dict[str, Any]]:
@@ -104,7 +106,11 @@ class FinishingVectorEnv(VectorEnv[Array, Array, Array]):
         terminated, truncated = np.empty(self.num_envs, dtype=np.bool_), np.empty(self.num_envs, dtype=np.bool_)
         metrics = np.empty((self.num_envs, self._metrics))
         self.batch.step(wanted, observations, rewards, terminated, truncated, metrics)
-        return observations, rewards, terminated, truncated, {"metrics": metrics}
+        return self._seen(observations), rewards, terminated, truncated, {"metrics": metrics}
+
+    def _seen(self, observations: Array) -> Array:
+        """Observations in the type of their space."""
+        return observations.astype(self.single_observation_space.dtype, copy=False)
 
     def render(self) -> tuple[Array, ...] | None:
         """Photographs of all workpieces, shape `[240, 320, 3]` each."""

@@ -185,6 +185,31 @@ class Simulation:
     def restore(self, snapshot: SimulationSnapshot) -> None: ...
 
 @final
+class ContactTool:
+    def __new__(
+        cls,
+        workpiece: Workpiece,
+        tool: Tool,
+        model: Model,
+        *,
+        friction: float = 0.0,
+        spindle_speed: float | None = None,
+        coating: float | None = None,
+    ) -> ContactTool: ...
+    def step(
+        self, position: _Triple, rotation: Sequence[Sequence[float]], duration: float
+    ) -> NDArray[np.float64]: ...
+    def workpiece(self) -> Workpiece: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def contact_time(self) -> float: ...
+    @property
+    def removed_volume(self) -> float: ...
+    @property
+    def impulse(self) -> float: ...
+
+@final
 class Trial:
     @staticmethod
     def read(folder: _File) -> Trial: ...
@@ -268,6 +293,7 @@ def weld(
     width: float | None = None,
     height: float | None = None,
     length: tuple[float, float] | None = None,
+    exposure: tuple[float, float] | None = None,
     sign: str = "auto",
 ) -> Workpiece: ...
 def photograph(

@@ -238,8 +238,9 @@ fn observation_of(name: &str) -> PyResult<Observation> {
         "state" => Observation::State,
         "heights" => Observation::Heights,
         "depth" => Observation::Depth,
+        "rgb" => Observation::Rgb,
         _ => {
-            let accepted = "\"state\", \"heights\" or \"depth\"";
+            let accepted = "\"state\", \"heights\", \"depth\" or \"rgb\"";
             return Err(refused(format!("observation is {name:?}, and {accepted} is accepted")));
         }
     })

@@ -2,6 +2,7 @@
 //! `robofin/_robofin.pyi` and `docs/python.md`.
 
 mod arrays;
+mod contact_tool;
 mod environment;
 mod errors;
 mod field;
@@ -34,6 +35,7 @@ fn _robofin(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<simulation::Simulation>()?;
     module.add_class::<simulation::SimulationSnapshot>()?;
+    module.add_class::<contact_tool::ContactTool>()?;
     module.add_class::<trial::Trial>()?;
     module.add_class::<environment::Task>()?;
     module.add_class::<environment::Batch>()?;

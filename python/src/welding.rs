@@ -14,7 +14,7 @@ use crate::workpiece::{WeldedPart, Workpiece};
 /// Welds a part read from a file.
 #[pyfunction]
 #[pyo3(signature = (mesh, *, seed = 1, voxel = None, difficulty = "medium", place = "surface", width = None, height = None,
-                    length = None, sign = "auto"))]
+                    length = None, exposure = None, sign = "auto"))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn weld(
     py: Python<'_>,
@@ -26,6 +26,7 @@ pub fn weld(
     width: Option<f64>,
     height: Option<f64>,
     length: Option<[f64; 2]>,
+    exposure: Option<[f64; 2]>,
     sign: &str,
 ) -> PyResult<Workpiece> {
     let part = mesh.part.as_deref().cloned();
@@ -37,6 +38,7 @@ pub fn weld(
         width,
         height,
         length,
+        exposure,
         ..WeldSettings::default()
     };
     let options = WeldingOptions {

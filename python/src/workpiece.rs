@@ -58,6 +58,11 @@ impl Workpiece {
         }
     }
 
+    /// Returns the workpiece with another field in place of its own.
+    pub fn with_part(&self, part: Arc<BrickGrid>) -> Self {
+        Self { part, target: self.target.clone(), welds: self.welds.clone(), made: None }
+    }
+
     /// Returns a weld by its number, from 0.
     pub fn weld_at(&self, number: usize) -> PyResult<&WeldTruth> {
         let count = self.welds.len();

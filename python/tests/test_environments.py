@@ -67,11 +67,13 @@ def test_each_environment_is_the_one_of_its_seed_alone(suite: robofin.Suite) -> 
         assert rewards[1] == reward
 
 
-def test_the_number_of_threads_changes_no_byte() -> None:
+@pytest.mark.parametrize("observation", ["state", "rgb"])
+def test_the_number_of_threads_changes_no_byte(observation: str) -> None:
     program = (
         "import hashlib, numpy as np, robofin\n"
         "from robofin._gymnasium import FinishingVectorEnv\n"
-        "e = FinishingVectorEnv(4, tasks=robofin.suite(count=1), randomise=['grit-dulling.dulling_volume'])\n"
+        "e = FinishingVectorEnv(4, tasks=robofin.suite(count=1), randomise=['grit-dulling.dulling_volume'],\n"
+        f"                       observation='{observation}')\n"
         "h = hashlib.sha256(e.reset(seed=1)[0].tobytes())\n"
         "r = np.random.default_rng(0)\n"
         "for _ in range(10):\n"
@@ -80,12 +82,12 @@ def test_the_number_of_threads_changes_no_byte() -> None:
         "h.update(e.batch.workpiece(2).field.to_nanovdb())\n"
         "print(h.hexdigest())\n"
     )
-    told = [
+    outputs = [
         subprocess.run([sys.executable, "-c", program], env={"RAYON_NUM_THREADS": threads}, capture_output=True,
                        text=True, check=True).stdout
         for threads in ("1", "3")
     ]
-    assert told[0] == told[1] and len(told[0].strip()) == 64
+    assert outputs[0] == outputs[1] and len(outputs[0].strip()) == 64
 
 
 def test_randomisation_draws_from_the_ranges_and_is_refused_by_name(suite: robofin.Suite) -> None:
@@ -111,6 +113,21 @@ def test_observations_show_the_bead_that_goes_away(suite: robofin.Suite) -> None
         if observation == "depth":
             # What is ground off is farther from the camera.
             assert after.sum() > before.sum()
+
+
+def test_photographs_show_the_weld_and_what_is_ground_off_it(suite: robofin.Suite) -> None:
+    environment = gymnasium.make("robofin/Grind-v0", tasks=suite, observation="rgb")
+    before, _ = environment.reset(seed=2)
+    assert before.shape == (64, 64, 3) and before.dtype == np.uint8
+    assert environment.observation_space.contains(before)
+    # The bead runs from the bottom to the top; beside it the flat plate has one colour.
+    middle, beside = before[:, 24:40].astype(float), before[:, 2:10].astype(float)
+    assert middle.std() > 3.0 * beside.std()
+    for _ in range(60):
+        after, *_ = environment.step(np.array([0, 0, 0, 0, 1], dtype=np.float32))
+    changed = np.abs(after.astype(int) - before).max(axis=2) > 10
+    # The wheel stands in the middle of the picture.
+    assert changed[24:40, 24:40].mean() > 0.5 and changed[:, :8].mean() < 0.1
 
 
 def test_an_episode_ends_in_time_and_begins_again_in_the_next_step(suite: robofin.Suite) -> None:

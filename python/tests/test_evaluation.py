@@ -46,6 +46,14 @@ def test_a_baseline_is_a_function_of_observations(suite: robofin.Suite) -> None:
         robofin.baseline("guess")
 
 
+@pytest.mark.parametrize("split", ["train", "held-out"])
+def test_hard_welds_are_longer_and_wider_than_easy_ones_on_all_parts(split: str) -> None:
+    easy, hard = (robofin.suite("grinding", split, difficulty, count=2).tasks for difficulty in ("easy", "hard"))
+    for simple, difficult in zip(easy, hard, strict=True):
+        assert difficult.width == pytest.approx(10e-3) and simple.width == pytest.approx(6e-3)
+        assert 0.07 <= difficult.length <= 0.11 + 1e-3 and difficult.volume > 2.0 * simple.volume
+
+
 def test_the_held_out_parts_are_others_and_what_is_unknown_is_refused() -> None:
     held = robofin.suite("grinding", "held-out", count=1)
     assert held.tasks[0].volume > 0.0

@@ -33,6 +33,22 @@ def test_arguments_may_be_lists_views_and_other_numbers(field: robofin.Field) ->
     np.testing.assert_array_equal(field.sample([[0, 0, 1]]), [field.band])
 
 
+def test_arrays_are_shared_with_other_libraries_by_dlpack(field: robofin.Field) -> None:
+    values = field.sample(np.random.default_rng(3).uniform(0.01, 0.03, (40, 3)))
+    assert values.__dlpack_device__() == (1, 0), "the CPU"
+    np.testing.assert_array_equal(np.from_dlpack(values), values)
+    assert np.shares_memory(np.from_dlpack(values), values)
+
+
+def test_torch_shares_the_memory_of_an_array(field: robofin.Field) -> None:
+    torch = pytest.importorskip("torch", reason="sharing with PyTorch is NOT TESTED: torch is missing")
+    values = field.sample(np.random.default_rng(3).uniform(0.01, 0.03, (40, 3)))
+    shared = torch.from_dlpack(values)
+    assert shared.data_ptr() == values.ctypes.data and shared.dtype == torch.float32
+    shared[7] = 0.5
+    assert values[7] == 0.5
+
+
 def test_a_field_is_read_as_it_was_written(field: robofin.Field, tmp_path: Path) -> None:
     field.write(tmp_path / "plate.nvdb")
     again = robofin.Field.read(tmp_path / "plate.nvdb")

@@ -28,13 +28,14 @@ def example() -> ModuleType:
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     sys.modules["train_policy"] = module
+    sys.path.insert(0, str(EXAMPLE.parent))
     spec.loader.exec_module(module)
     return module
 
 
 def short(example: ModuleType, **changes: Any) -> Any:
     """Settings of a training of two updates."""
-    return example.Settings(**{"steps": 128, "environments": 2, "horizon": 32, "welds": 1, "minibatches": 2} | changes)
+    return example.Settings(**{"steps": 128, "environments": 2, "horizon": 32, "welds": 1, "minibatches": 2, "measured": 2} | changes)
 
 
 def test_an_untrained_policy_is_the_baseline_that_it_corrects(example: ModuleType) -> None:
@@ -44,6 +45,27 @@ def test_an_untrained_policy_is_the_baseline_that_it_corrects(example: ModuleTyp
     found = robofin.evaluate(example.policy(network), suite, seeds=[3], time_limit=2.0)
     oracle = robofin.evaluate("oracle", suite, seeds=[3], time_limit=2.0)
     assert found.difference(oracle, "removed_volume")[0] == pytest.approx(0.0, abs=1e-3 * oracle["removed_volume"][0])
+
+
+def test_the_factor_of_the_forces_is_the_greatest_that_gouges_no_deeper(example: ModuleType,
+                                                                   monkeypatch: pytest.MonkeyPatch) -> None:
+    network = example.Network(example.STATE + 2, -1.0)
+    monkeypatch.setattr(example, "depth_on", lambda *_: 0.05 * float(network.strength.exp()))
+    example.choose_strength(network, None, 0.1, 1)
+    low, high = example.STRENGTHS
+    exact = np.log(2.0)
+    assert exact - (high - low) / 2**example.HALVINGS <= float(network.strength) <= exact
+
+
+def test_rewards_are_the_fall_of_the_cost(example: ModuleType) -> None:
+    trainer = object.__new__(example.Trainer)
+    trainer.price, trainer.figures = 0.5, np.array([[0.8, 0.01], [0.5, 0.2]])
+    metrics = np.zeros((2, len(robofin.Batch.metric_names())))
+    metrics[:, example.COLUMNS] = [[0.7, 3e-5], [1.0, 0.0]]
+    rewards = trainer._reward(metrics, np.array([False, True]))
+    # The second environment has just begun an episode.
+    np.testing.assert_allclose(rewards, [0.1 - 0.5 * 0.02, 0.0])
+    np.testing.assert_allclose(trainer.figures, [[0.7, 0.03], [1.0, 0.0]])
 
 
 def test_the_same_seed_trains_the_same_policy_and_another_one_another(example: ModuleType) -> None:
@@ -94,13 +116,14 @@ def test_ppo_learns_what_is_rewarded(example: ModuleType) -> None:
 
 
 def test_the_script_writes_weights_curve_and_figures(tmp_path: Path) -> None:
-    words = ["--steps", "3000", "--environments", "2", "--held-out", "1", "--episodes", "1", "--out", str(tmp_path)]
+    words = ["--steps", "3000", "--environments", "2", "--measured", "1", "--held-out", "1", "--episodes", "1",
+             "--out", str(tmp_path)]
     output = subprocess.run([sys.executable, str(EXAMPLE), *words], capture_output=True, text=True, check=True).stdout
     assert "| ppo less raster |" in output
     results = json.loads((tmp_path / "results.json").read_text())
-    assert set(results["figures"]) == {"raster", "oracle", "ppo"} and results["settings"]["seed"] == 1
+    assert set(results["figures"]) == {"raster", "oracle", "scaled oracle", "ppo"} and results["settings"]["seed"] == 1
     rows = list(csv.reader((tmp_path / "curve.csv").open()))
-    assert rows[0] == ["steps", "return"] and 0 < int(rows[-1][0]) <= 3000
+    assert rows[0] == ["steps", "left", "gouge_depth_um"] and 0 < int(rows[-1][0]) <= 3000
     assert ElementTree.parse(tmp_path / "curve.svg").getroot().tag.endswith("svg")
     assert (tmp_path / "policy.pt").stat().st_size > 10_000
 

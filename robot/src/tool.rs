@@ -148,7 +148,13 @@ impl Tool {
     /// and a `feed` in the tool's frame [m/s]: `|ω × r + v_feed|`.
     #[inline(always)]
     pub fn slip_speed(&self, at: DVec3, spindle: f64, feed: DVec3) -> f64 {
-        (self.axis().cross(at) * spindle + feed).length()
+        self.slip_velocity(at, spindle, feed).length()
+    }
+
+    /// The velocity itself, in the tool's frame [m/s].
+    #[inline(always)]
+    pub fn slip_velocity(&self, at: DVec3, spindle: f64, feed: DVec3) -> DVec3 {
+        self.axis().cross(at) * spindle + feed
     }
 
     /// As [`Shape::curvatures`].

@@ -189,9 +189,11 @@ impl ContactCells {
                     line += 1;
                     continue;
                 }
+                let is_dry = |share: f64| share != UNRESOLVED && (share <= 0.0 || share.is_nan());
+                line += self.share[line..end].iter().take_while(|share| is_dry(**share)).count();
                 let wet = self.share[line..end].iter().take_while(|share| **share > 0.0).count();
                 self.wet.extend(line..line + wet);
-                line += wet.max(1);
+                line += wet;
             }
         }
     }

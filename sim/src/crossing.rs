@@ -1,19 +1,63 @@
 //! Root of φ on a lattice line where it crosses the surface; shared by contact, channels and profilometer.
 
+use sdf_bake::simd::in_wide_lanes;
 use shaders::constants::WITHIN_BAND;
+
+/// Crossings of several lines; their roots are found together, in the processor's widest SIMD lanes.
+#[derive(Debug, Default)]
+pub(crate) struct Crossings {
+    /// Values at -1, 0, 1 and 2 voxels of each crossing [m].
+    values: [Vec<f64>; 4],
+    roots: Vec<f64>,
+}
+
+impl Crossings {
+    /// Removes all.
+    pub(crate) fn clear(&mut self) {
+        self.values.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Adds a crossing.
+    pub(crate) fn push(&mut self, values: [f64; 4]) {
+        self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Returns [`way_to_zero`] of each crossing.
+    pub(crate) fn ways(&mut self, band: f64) -> &[f64] {
+        let Self { values: [before, a, b, after], roots } = self;
+        let count = before.len();
+        roots.resize(count, 0.0);
+        in_wide_lanes(
+            #[inline(always)]
+            || {
+                let (before, a, b, after) = (&before[..count], &a[..count], &b[..count], &after[..count]);
+                for (i, root) in roots.iter_mut().enumerate() {
+                    *root = way_to_zero([before[i], a[i], b[i], after[i]], band);
+                }
+            },
+        );
+        &self.roots
+    }
+}
 
 /// Position of the zero of φ on a lattice line [voxels, 0 to 1], from `values` [m] at -1, 0, 1 and 2 voxels; the middle
 /// two differ in sign. It is the root of the cubic through all four, fourth order where φ is smooth. Where one of them
 /// is beyond the `band` [m] it is the root of the chord.
+#[inline(always)]
 pub(crate) fn way_to_zero(values: [f64; 4], band: f64) -> f64 {
-    if values.iter().all(|value| value.abs() < WITHIN_BAND * band) { cubic_root(values) } else { linear_root(values) }
+    let most = WITHIN_BAND * band;
+    let is_known = values.map(|value| value.abs() < most);
+    let (cubic, linear) = (cubic_root(values), linear_root(values));
+    if is_known[0] & is_known[1] & is_known[2] & is_known[3] { cubic } else { linear }
 }
 
+#[inline(always)]
 fn linear_root([_, a, b, _]: [f64; 4]) -> f64 {
     a / (a - b)
 }
 
 /// Root in 0 to 1 of the cubic through values at -1, 0, 1 and 2; the middle two differ in sign.
+#[inline(always)]
 fn cubic_root(values: [f64; 4]) -> f64 {
     let [before, a, b, after] = values;
     // Newton's divided differences about 0 and 1.

@@ -5,7 +5,6 @@ use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
 use shaders::constants::CLIMB;
 
-use crate::crossing::way_to_zero;
 use crate::height_field::{Facing, Window};
 
 /// Index steps between neighbours along x, y and z among a brick's values.
@@ -105,9 +104,9 @@ impl Lattice {
         }
     }
 
-    /// Height [voxels] at which a line leaves the material, the first found from voxel `from`: upwards if it starts
-    /// inside, otherwise downwards to voxel `least`.
-    pub(crate) fn surface(&self, grid: &BrickGrid, line: Line, from: i32, least: i32) -> Option<f64> {
+    /// Voxel below the height at which a line leaves the material, the first found from voxel `from`: upwards if it
+    /// starts inside, otherwise downwards to voxel `least`.
+    pub(crate) fn below_surface(&self, grid: &BrickGrid, line: Line, from: i32, least: i32) -> Option<i32> {
         let voxel = grid.voxel as f32;
         let stride = |phi: f32| ((phi.abs() / voxel) as i32).max(1);
         let (mut k, top) = (from, from.saturating_add(CLIMB));
@@ -133,13 +132,39 @@ impl Lattice {
         }
     }
 
-    /// Root of φ between a voxel inside the material and one above it [voxels].
-    fn crossing(&self, grid: &BrickGrid, line: Line, mut below: i32, above: i32) -> f64 {
+    /// Last voxel inside the material between one inside and one above it.
+    fn crossing(&self, grid: &BrickGrid, line: Line, mut below: i32, above: i32) -> i32 {
         while below + 1 < above && self.phi(grid, line, below + 1) < 0.0 {
             below += 1;
         }
-        let values = [-1, 0, 1, 2].map(|step| f64::from(self.phi(grid, line, below + step)));
-        f64::from(below) + way_to_zero(values, grid.band.into())
+        below
+    }
+
+    /// φ [m] at the voxels about a crossing: the two from `below` on, one before them and one after.
+    pub(crate) fn around(&self, grid: &BrickGrid, line: Line, below: i32) -> [f64; 4] {
+        [-1, 0, 1, 2].map(|step| f64::from(self.phi(grid, line, below + step)))
+    }
+
+    /// Writes φ [m] at consecutive voxels of a line from `first` on, brick by brick.
+    pub(crate) fn read(&self, grid: &BrickGrid, line: Line, first: i32, mut out: &mut [f32]) {
+        let (mut k, up) = (first, self.facing.up());
+        while !out.is_empty() {
+            let local = (up * k) & 7;
+            let left = if up > 0 { 8 - local } else { local + 1 };
+            let (part, rest) = out.split_at_mut(out.len().min(left as usize));
+            match self.slot(line, k) {
+                (OUTSIDE, _) => part.fill(grid.band),
+                (INSIDE, _) => part.fill(-grid.band),
+                (slot, value) => {
+                    let (at, step) = (slot as usize * BRICK_VOXELS + value, up as isize * self.value_step as isize);
+                    for (i, out) in part.iter_mut().enumerate() {
+                        *out = grid.phi[at.wrapping_add_signed(i as isize * step)];
+                    }
+                }
+            }
+            k += part.len() as i32;
+            out = rest;
+        }
     }
 }
 
@@ -163,6 +188,9 @@ mod tests {
                     assert_eq!(lattice.phi(&grid, line, k), grid.phi_at(voxel), "{voxel}");
                     assert_eq!(lattice.place(line, k), grid.place(voxel), "{voxel}");
                 }
+                let mut values = [0.0; 80];
+                lattice.read(&grid, line, -40, &mut values);
+                assert_eq!(values, std::array::from_fn(|k| lattice.phi(&grid, line, k as i32 - 40)));
             }
         }
     }

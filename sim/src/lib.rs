@@ -61,6 +61,7 @@ mod step_values;
 pub mod surface;
 mod tool_cells;
 pub mod topography;
+mod wrench;
 mod write_back;
 
 pub use clock::{Clock, Phase};
@@ -77,3 +78,4 @@ pub use record::PassRecord;
 pub use settings::{LONGEST_STEP, Pass, PassError, PassSettings};
 pub use tool_cells::COUNT as TOOL_CELLS;
 pub use topography::Topography;
+pub use wrench::{Wrench, WrenchGauge};

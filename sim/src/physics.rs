@@ -305,6 +305,12 @@ impl<'a> Physics<'a> {
         tool.slip_speed(at, spindle, feed)
     }
 
+    /// The slip velocity itself, in the tool's frame [m/s].
+    pub(crate) fn slip_velocity(&self, tool: &Tool, at: DVec3) -> DVec3 {
+        let (spindle, feed) = self.motion();
+        tool.slip_velocity(at, spindle, feed)
+    }
+
     /// Pressure [Pa] at depths [m] that change by `depth_rate` [m/s].
     pub fn pressure(&self, depth: &[f64], depth_rate: &[f64], out: &mut Vec<f64>) -> Result<(), RunError> {
         out.resize(depth.len(), 0.0);
@@ -339,10 +345,9 @@ impl<'a> Physics<'a> {
 
     fn lanes<'l>(&'l self, len: usize, own: &[(Variable, &'l [f64])]) -> Lanes<'l> {
         let mut lanes = Lanes::new(len).with_tool_cell(&self.tool_cell);
-        for &variable in &self.wanted {
-            lanes = lanes.with(variable, &self.lanes[variable as usize]);
-        }
-        own.iter().fold(lanes, |lanes, &(variable, values)| lanes.with(variable, values))
+        self.wanted.iter().for_each(|&variable| lanes.set(variable, &self.lanes[variable as usize]));
+        own.iter().for_each(|&(variable, values)| lanes.set(variable, values));
+        lanes
     }
 }
 

@@ -12,6 +12,7 @@ use crate::covariates::Covariates;
 use crate::force_profile::ForceProfile;
 use crate::measured::Measured;
 use crate::path::Path;
+use crate::wrench::WrenchGauge;
 use effects::{CompiledModel, Hook, RunError, Variable};
 use robot::Controller;
 use robot::Tool;
@@ -95,6 +96,8 @@ pub struct Pass<'a> {
     pub covariates: Option<&'a RefCell<Covariates>>,
     /// Timer of the phases of the work; `None` costs nothing.
     pub clock: Option<&'a Clock>,
+    /// Receives the wrench at the end of each step; `None` costs nothing.
+    pub gauge: Option<&'a WrenchGauge>,
 }
 
 impl<'a> Pass<'a> {
@@ -118,6 +121,7 @@ impl<'a> Pass<'a> {
             force: None,
             covariates: None,
             clock: None,
+            gauge: None,
         }
     }
 }

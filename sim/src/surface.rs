@@ -59,7 +59,13 @@ struct Cell {
 impl Cell {
     fn at(grid: &BrickGrid, point: DVec3) -> Self {
         let (corner, at) = grid.cell(point);
-        Self { corner, at, values: grid.cell_phi(corner) }
+        let values = if (corner & 7).max_element() < 7 {
+            grid.cell_phi(corner)
+        } else {
+            let bricks = Bricks::new(grid, corner, corner + 1);
+            std::array::from_fn(|i| bricks.phi(corner + cell_corner(i)))
+        };
+        Self { corner, at, values }
     }
 
     fn phi(&self) -> f64 {
@@ -73,15 +79,15 @@ impl Cell {
 
     /// Excess of the trilinear value over a quadratic through the neighbours [m]: Σ f(1-f)/2 · h²φ_ii.
     fn chord_error(&self, grid: &BrickGrid) -> f64 {
-        let around = Around::new(grid, self.corner);
+        let bricks = Bricks::new(grid, self.corner - 1, self.corner + 2);
         let mut error = 0.0;
         for (axis, bit) in [4usize, 2, 1].into_iter().enumerate() {
             let f = self.at[axis];
             let mut bent = [0f32; 8];
             for i in (0..8).filter(|i| i & bit == 0) {
                 let (low, high) = (self.values[i], self.values[i | bit]);
-                let before = around.phi(cell_corner(i) - IVec3::AXES[axis]);
-                let after = around.phi(cell_corner(i) + 2 * IVec3::AXES[axis]);
+                let before = bricks.phi(self.corner + cell_corner(i) - IVec3::AXES[axis]);
+                let after = bricks.phi(self.corner + cell_corner(i) + 2 * IVec3::AXES[axis]);
                 if before.abs() < grid.band && after.abs() < grid.band {
                     bent[i] = before - 2.0 * low + high;
                     bent[i | bit] = low - 2.0 * high + after;
@@ -93,26 +99,34 @@ impl Cell {
     }
 }
 
-/// Values next to a cell, without a look-up for each if all lie in one brick.
-struct Around<'a> {
+/// Up to two bricks along each axis, each looked up once.
+struct Bricks<'a> {
     grid: &'a BrickGrid,
-    corner: IVec3,
-    brick: Option<&'a [f32]>,
+    /// Lowest brick.
+    low: IVec3,
+    /// Slots of the bricks, in the order of [`cell_corner`].
+    slots: [u32; 8],
 }
 
-impl<'a> Around<'a> {
-    fn new(grid: &'a BrickGrid, corner: IVec3) -> Self {
-        let local = corner & 7;
-        let slot = grid.slot(corner >> 3);
-        let within = local.min_element() >= 1 && local.max_element() <= 5 && slot != OUTSIDE && slot != INSIDE;
-        let start = slot as usize * BRICK_VOXELS;
-        Self { grid, corner, brick: within.then(|| &grid.phi[start..start + BRICK_VOXELS]) }
+impl<'a> Bricks<'a> {
+    /// The bricks of all voxels from `first` to `last`, which are less than eight voxels apart.
+    fn new(grid: &'a BrickGrid, first: IVec3, last: IVec3) -> Self {
+        let low: IVec3 = first >> 3;
+        let more: IVec3 = (last >> 3) - low;
+        let slot = |i: usize| {
+            let step = cell_corner(i);
+            if step.cmple(more).all() { grid.slot(low + step) } else { OUTSIDE }
+        };
+        Self { grid, low, slots: std::array::from_fn(slot) }
     }
 
-    fn phi(&self, step: IVec3) -> f32 {
-        match self.brick {
-            Some(values) => values[voxel_offset(self.corner + step)],
-            None => self.grid.phi_at(self.corner + step),
+    /// φ at a voxel of these bricks [m].
+    fn phi(&self, voxel: IVec3) -> f32 {
+        let step: IVec3 = (voxel >> 3) - self.low;
+        match self.slots[(4 * step.x + 2 * step.y + step.z) as usize] {
+            OUTSIDE => self.grid.band,
+            INSIDE => -self.grid.band,
+            slot => self.grid.phi[slot as usize * BRICK_VOXELS + voxel_offset(voxel)],
         }
     }
 }

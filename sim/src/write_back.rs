@@ -100,6 +100,9 @@ fn write_near(grid: &mut BrickGrid, height_field: &HeightField, line: usize, cha
 /// Raises φ at a column's voxels within the band.
 fn raise(grid: &mut BrickGrid, height_field: &HeightField, sunk: &[f64], column: &Column) {
     let line = column.line;
+    if is_still(grid, height_field, sunk, column) {
+        return;
+    }
     let below = floor(height_field.read_height[line] / height_field.pitch);
     let (area_ratio, on, slope) =
         (height_field.area_ratio(line), height_field.on[line], DVec2::from(height_field.slope[line]));
@@ -123,6 +126,18 @@ fn raise(grid: &mut BrickGrid, height_field: &HeightField, sunk: &[f64], column:
             nearer = phi;
         }
     }
+}
+
+/// True if no column near one receded that holds the closest surface point of any of its voxels within the band.
+fn is_still(grid: &BrickGrid, height_field: &HeightField, sunk: &[f64], column: &Column) -> bool {
+    let [rows, across] = height_field.window.size;
+    let flatness = 1.0 / height_field.area_ratio(column.line);
+    let most = height_field.slope[column.line].map(|slope| slope.abs() * f64::from(grid.band) * flatness);
+    let reach = most.map(|way| floor(way / height_field.pitch) as usize + 1);
+    let range = |at: usize, reach: usize, size: usize| at.saturating_sub(reach)..(at + reach + 1).min(size);
+    let places = range(column.across, reach[1], across);
+    range(column.row, reach[0], rows)
+        .all(|row| sunk[row * across + places.start..row * across + places.end].iter().all(|sunk| *sunk <= 0.0))
 }
 
 /// Floor of a value that fits an `i32`; the library's function is a call on plain x86-64.

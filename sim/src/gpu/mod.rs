@@ -48,6 +48,9 @@ pub fn refusal(pass: &Pass) -> Option<String> {
     if pass.covariates.is_some() {
         return Some("maps of what each place goes through".to_owned());
     }
+    if pass.gauge.is_some() {
+        return Some("the wrench of the contact".to_owned());
+    }
     if let Some(measured) = Readings::new(pass.model, pass.measured).changing() {
         return Some(format!("the column {}, which changes in the course of a pass", measured.name));
     }

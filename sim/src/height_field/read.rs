@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 use sdf_bake::BrickGrid;
 
 use super::{Facing, HeightField, NO_SURFACE, Window};
+use crate::crossing::Crossings;
 use crate::lattice_line::Lattice;
 
 impl HeightField {
@@ -86,19 +87,27 @@ impl HeightField {
         let above = |height: f64| (height / grid.voxel).ceil() as i32;
         let (start, least) = (above(level), (floor / grid.voxel).floor() as i32);
         let across = self.window.size[1];
-        let mut guess = start;
-        for line in 0..self.window.lines() {
-            if line % across == 0 {
-                let before = line.checked_sub(across).map_or(NO_SURFACE, |before| self.height[before]);
-                guess = if before > NO_SURFACE { above(before) } else { start };
+        let (mut crossings, mut met) = (Crossings::default(), Vec::new());
+        for first in (0..self.window.lines()).step_by(across) {
+            let before = first.checked_sub(across).map_or(NO_SURFACE, |before| self.height[before]);
+            let mut guess = if before > NO_SURFACE { above(before) } else { start };
+            crossings.clear();
+            met.clear();
+            for line in first..first + across {
+                if self.height[line] > NO_SURFACE {
+                    guess = above(self.height[line]);
+                    continue;
+                }
+                let below = self.lattice.below_surface(grid, self.on[line], guess, least);
+                guess = below.map_or(start, |below| below + 1);
+                if let Some(below) = below {
+                    crossings.push(self.lattice.around(grid, self.on[line], below));
+                    met.push((line, below));
+                }
             }
-            if self.height[line] > NO_SURFACE {
-                guess = above(self.height[line]);
-                continue;
+            for ((line, below), way) in met.iter().zip(crossings.ways(grid.band.into())) {
+                self.height[*line] = (f64::from(*below) + way) * grid.voxel;
             }
-            let met = self.lattice.surface(grid, self.on[line], guess, least);
-            guess = met.map_or(start, |height| height.ceil() as i32);
-            self.height[line] = met.map_or(NO_SURFACE, |height| height * grid.voxel);
         }
     }
 

@@ -12,6 +12,7 @@ use crate::lines::{Lines, Run};
 use crate::physics::Physics;
 use crate::pose::{Placement, Pose};
 use crate::tool_cells::{CellLoad, CellSums, ToolCells};
+use crate::wrench::Wrench;
 use effects::Variable;
 use sdf_bake::simd::in_wide_lanes;
 
@@ -155,6 +156,21 @@ impl ContactStep<'_> {
             arm.cross(pose.approach) * (load * area * normal.of(height_field, line as usize))
         };
         self.mean_load.iter().zip(self.lines.list()).map(moment).sum()
+    }
+
+    /// Wrench at the end of the step about a pose's reference point. `drag` is the friction per normal force at a point
+    /// of the workpiece's frame [m].
+    pub(crate) fn wrench(&self, pose: &Pose, height_field: &HeightField, drag: impl Fn(DVec3) -> DVec3) -> Wrench {
+        let area = height_field.pitch * height_field.pitch;
+        let mut wrench = Wrench::default();
+        for (load, &line) in self.end_load.iter().zip(self.lines.list()) {
+            let [u, v] = height_field.slope[line as usize];
+            let point = height_field.facing.world(height_field.point(line as usize));
+            // p n dA, with n dA = (-slope, 1) du dv.
+            let normal = height_field.facing.world(DVec3::new(-u, -v, 1.0)) * (load * area);
+            wrench.add(normal + drag(point) * normal.length(), point - pose.centre);
+        }
+        wrench
     }
 
     /// Results of the step for each cell in contact.

@@ -23,6 +23,7 @@ use crate::scheme::{AppliedRemoval, Scheme, StepLimits, scheme_of};
 use crate::settings::{Pass, PassError};
 use crate::step_values::Moment;
 use crate::tool_cells::{CellSums, ToolCells};
+use crate::wrench::Wrench;
 use effects::{RunError, States, Variable};
 
 /// An accepted step: its motion, the mean contact over it, and the removal.
@@ -99,6 +100,7 @@ impl<'a> Runner<'a> {
         self.scheme.complete(&middle, self.workpiece.height_field(), &mut self.physics, dt)?;
         // Force, Eq. (4), load and area, as means over the step.
         let (contact, end_force) = self.scheme.step().contact(self.workpiece.height_field());
+        self.gauge(motion, dt);
         // Sums for each tool cell and each surface point, and the states of the workpiece's cells.
         let sums = self.advance_cells(&middle, dt)?;
         // The surface recedes, Eq. (1), and the coating gains its dose, Eq. (2).
@@ -122,6 +124,17 @@ impl<'a> Runner<'a> {
         moment.set_spindle(spindle, &mut physics.step);
         guide.pose_change = physics.pose_change()?;
         Ok(guide.step_length(step_limits.longest_steps[pass.path.piece(guide.time)]))
+    }
+
+    /// Hands the wrench at the end of a step of `dt` [s] to the gauge of the pass.
+    fn gauge(&self, motion: Motion, dt: f64) {
+        let Some(gauge) = self.pass.gauge else { return };
+        let pose = self.guide.pose(self.guide.time + dt, motion.travel);
+        let drag = |point| {
+            let slip = pose.frame.matrix() * self.physics.slip_velocity(self.pass.tool, pose.local(point));
+            slip.normalize_or_zero() * -gauge.friction()
+        };
+        gauge.set(self.scheme.step().wrench(&pose, self.workpiece.height_field(), drag));
     }
 
     /// Sums the results of a step of `dt` [s] for each tool cell and each surface point; advances the states of the
@@ -179,6 +192,9 @@ impl<'a> Runner<'a> {
     fn stay_in_air(&mut self, dt: f64) -> Result<f64, RunError> {
         self.write_back();
         self.workpiece.expect_touch(self.pass.tool);
+        if let Some(gauge) = self.pass.gauge {
+            gauge.set(Wrench::default());
+        }
         self.moment.leave_air();
         self.moment.publish(&mut self.physics.step);
         self.advance_states(&CellSums::default(), dt)?;

@@ -15,7 +15,7 @@ const NOWHERE: i32 = i32::MAX / 2;
 /// Reinitialises the far voxels of columns.
 pub(super) fn reinitialize(grid: &mut BrickGrid, height_field: &HeightField, columns: &[Column]) {
     let layers = columns.iter().map(|column| reach(grid, height_field.area_ratio(column.line))).max().unwrap_or(0);
-    let mut near = Near::read(grid, height_field, layers);
+    let mut near = Near::read(grid, height_field, (columns, layers));
     let nearer = [1.0, -1.0].map(|side| -> Vec<Option<BilinearStencil>> {
         let around = |column: &Column| {
             BilinearStencil::of(height_field, column, DVec2::from(height_field.slope[column.line]) * side)
@@ -36,6 +36,17 @@ pub(super) fn reinitialize(grid: &mut BrickGrid, height_field: &HeightField, col
     }
 }
 
+/// Lines of the smallest rectangle with all columns and their neighbours, in a window of a size.
+fn lines_around(columns: &[Column], [rows, across]: [usize; 2]) -> impl Iterator<Item = usize> {
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for &Column { row, across: place, .. } in columns {
+        (low, high) = ([low[0].min(row), low[1].min(place)], [high[0].max(row), high[1].max(place)]);
+    }
+    let range = |d: usize, size: usize| low[d].saturating_sub(1)..(high[d] + 2).min(size);
+    let places = range(1, across);
+    range(0, rows).flat_map(move |row| places.clone().map(move |place| row * across + place))
+}
+
 /// Cached φ near the surface of each column; beyond the cache the field is read.
 struct Near {
     /// Voxel index just below the surface.
@@ -54,17 +65,18 @@ struct Far {
 }
 
 impl Near {
-    /// Reads `layers` voxels on either side of the surface from the field.
-    fn read(grid: &BrickGrid, height_field: &HeightField, layers: i32) -> Self {
+    /// Reads `layers` voxels on either side of the surface from the field, at the columns and next to them.
+    fn read(grid: &BrickGrid, height_field: &HeightField, (columns, layers): (&[Column], i32)) -> Self {
         let voxel_below =
             |height: &f64| if *height > NO_SURFACE { floor(height / height_field.pitch) } else { NOWHERE };
-        let below: Vec<i32> = height_field.height.iter().map(voxel_below).collect();
+        let mut below = vec![NOWHERE; height_field.window.lines()];
         let count = 2 * layers as usize;
         let mut phi = vec![0.0; below.len() * count];
-        for ((below, on), phi) in below.iter().zip(&height_field.on).zip(phi.chunks_exact_mut(count)) {
-            if *below != NOWHERE {
-                let first = below + 1 - layers;
-                (first..).zip(phi).for_each(|(k, phi)| *phi = height_field.lattice.phi(grid, *on, k));
+        for line in lines_around(columns, height_field.window.size) {
+            below[line] = voxel_below(&height_field.height[line]);
+            if below[line] != NOWHERE {
+                let phi = &mut phi[line * count..(line + 1) * count];
+                height_field.lattice.read(grid, height_field.on[line], below[line] + 1 - layers, phi);
             }
         }
         Self { below, phi, count }
