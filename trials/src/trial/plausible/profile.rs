@@ -268,7 +268,8 @@ fn touch(tool: &HeldTool, (pose, at): (&ToolPose, DVec2), map: &HeightMap, relie
         }
         disc => {
             let reach = disc.rim_radius();
-            let under = rows_within(map, at, reach).into_iter().flat_map(|row| row.places().zip(row.heights));
+            let rows = rows_within(map, at, reach);
+            let under = rows.iter().flat_map(|row| row.places().zip(row.heights));
             let known = under.filter(|(from, height)| from.length_squared() <= reach * reach && height.is_finite());
             let (sum, count) = known.fold((0.0, 0), |(sum, count), (_, height)| (sum + height, count + 1));
             (count > 0).then(|| sum / f64::from(count))
