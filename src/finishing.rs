@@ -229,11 +229,18 @@ impl Ground {
     }
 }
 
-/// Writes a grinding folder: the field, a log for each pass, pictures, results, the page. Returns the page.
+/// Writes a grinding folder: the field, a log for each pass, pictures, results, the page. Returns the page for a folder
+/// above, with other links.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Console) -> Result<String> {
+pub fn write(
+    ground: &Ground,
+    asset: &Path,
+    staged: StagedFolder,
+    links: &[(String, String)],
+    console: &Console,
+) -> Result<String> {
     let place = |name: &str| staged.path().join(name);
     let after = &ground.run.state.part;
     let grids = [GridRef::LevelSet { name: "phi", grid: after }, GridRef::Labels { name: "weld_id", grid: after }];
@@ -252,8 +259,12 @@ pub fn write(ground: &Ground, asset: &Path, staged: StagedFolder, console: &Cons
         fs::write(place(&format!("{name}.png")), to_png(picture)?)?;
     }
     write_json(&place(GRIND_FILE), &ground.summary())?;
-    let page = grinding_page(asset, ground, &pictures)?;
-    fs::write(place(PAGE_FILE), &page)?;
+    let logs = (1..=ground.run.passes.len()).map(|i| (format!("pass-{i}.csv"), format!("log of pass {i}")));
+    let others = [("ground.nvdb", "the ground field"), ("sheet.png", "the pictures"), (GRIND_FILE, "all figures")];
+    let own: Vec<(String, String)> =
+        others.map(|(name, words)| (name.to_owned(), words.to_owned())).into_iter().chain(logs).collect();
+    fs::write(place(PAGE_FILE), grinding_page(asset, ground, &pictures, &own)?)?;
+    let page = grinding_page(asset, ground, &pictures, links)?;
     staged.commit()?;
     console.step("ground", "field, logs and pictures written");
     Ok(page)

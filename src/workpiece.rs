@@ -1,14 +1,11 @@
 //! Welds a part: a weld is placed, swept and united with the part in the field.
 
-mod limits;
-
 use anyhow::{Context, Result, anyhow, bail};
 use sdf_bake::query::MeshQuery;
 use sdf_bake::{BakeError, BakeOptions, BakeReport, BrickGrid, Combine, Mesh, SignChoice, bake};
 use serde::Serialize;
-use weldgen::access::ToolShape;
-use weldgen::bead::{BeadShape, FormRequest};
-use weldgen::{Difficulty, PlaceError, Placement, Stitch, Surface, Weld, WeldRequest, place_welds_on};
+pub use weldgen::WeldSettings;
+use weldgen::{PlaceError, Surface, Weld, WeldRequest, place_welds_on};
 
 use crate::console::Console;
 use crate::part::Part;
@@ -45,47 +42,6 @@ pub struct WeldingOptions {
     pub sign: SignChoice,
     /// Requested properties of the weld; the others are chosen for the part.
     pub wishes: WeldSettings,
-}
-
-/// User's settings of the weld; the other properties are chosen for the part.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct WeldSettings {
-    /// Preset of the dials that are not set below.
-    pub difficulty: Difficulty,
-    /// Number of welds; the default is one.
-    pub count: Option<u16>,
-    /// Placement of the welds.
-    pub placement: Placement,
-    /// Intermittent welds instead of continuous ones.
-    pub stitch: Option<Stitch>,
-    /// Cross-section on a face.
-    pub shape: BeadShape,
-    /// Rise of a fillet's face above the chord between its toes [widths].
-    pub convexity: f64,
-    /// Ripples, craters, imperfections.
-    pub form: FormRequest,
-    /// Least radius of the toes in the field [m]; sharp without it.
-    pub toe_radius: Option<f64>,
-    /// Length of the centreline, a range [m].
-    pub length: Option<[f64; 2]>,
-    /// Width of the bead [m].
-    pub width: Option<f64>,
-    /// Height of the bead [m].
-    pub height: Option<f64>,
-    /// Root mean square of the geodesic curvature, a range [1/m].
-    pub curvature: Option<[f64; 2]>,
-    /// Largest geodesic curvature [1/m].
-    pub curvature_max: Option<f64>,
-    /// Correlation length of the geodesic curvature [m].
-    pub correlation: Option<f64>,
-    /// Least exposure along the weld, a range within 0 to 1.
-    pub exposure: Option<[f64; 2]>,
-    /// Length of the exposure rays [m]; geometry farther away does not shade.
-    pub exposure_reach: Option<f64>,
-    /// Tool of the access measurement.
-    pub tool: ToolShape,
-    /// Least mean tool access along the weld, 0 to 1.
-    pub min_access: Option<f64>,
 }
 
 /// A part with its welds, as meshes and as fields.
@@ -135,7 +91,7 @@ pub fn needs_solid(error: BakeError) -> anyhow::Error {
 impl Workpiece {
     /// Lists implausible or unmet properties, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
-        let of_welds = self.welds.iter().flat_map(|placed| limits::bead_warnings(&placed.weld));
+        let of_welds = self.welds.iter().flat_map(|placed| placed.weld.warnings());
         self.part.source.unit_doubts.iter().cloned().chain(of_welds).collect()
     }
 }
@@ -163,8 +119,8 @@ pub fn weld_part(part: Part, options: &WeldingOptions, console: &Console) -> Res
         shell: None,
     };
     memory_budget::check(&part.mesh, &baking)?;
-    let request = options.wishes.request(&part, baking.voxel);
-    limits::check(&options.wishes, &request, &baking)?;
+    let request = options.wishes.request(&part.mesh, baking.voxel);
+    options.wishes.check(&request, &baking)?;
     let welds = place(&part, options, (&request, &baking))?;
     let (target, report) = bake(&part.mesh, &baking).map_err(needs_solid)?;
     console.step("bake", describe_baking(&report, &target));
@@ -207,7 +163,7 @@ fn place(
     let count = usize::from(options.wishes.count.unwrap_or(1));
     let placed = place_welds_on(&Surface::new(&part.mesh, &query), request, count, options.seed);
     for weld in placed.iter().flatten() {
-        limits::check_blend(&weld.profile, options.wishes.toe_radius, baking)?;
+        options.wishes.check_toes(&weld.profile, baking)?;
     }
     Ok(placed)
 }
@@ -237,42 +193,9 @@ fn cut(welded: &BrickGrid, weld: &Weld, (baking, target): (&BakeOptions, &BrickG
     Ok(left)
 }
 
-impl WeldSettings {
-    /// Makes the request for a part with the user's settings; sizes set by the user are never shrunk.
-    fn request(&self, part: &Part, voxel: f64) -> WeldRequest {
-        let chosen = WeldRequest::of_difficulty(&part.mesh, voxel, self.difficulty);
-        let width = self.width.unwrap_or(chosen.width);
-        let sized = self.length.is_some() || self.width.is_some() || self.height.is_some();
-        let fixed = sized || self.exposure.is_some() || self.min_access.is_some();
-        // A requested range may exceed the part's default; three times the root mean square allows any shape.
-        let sharpest = self.curvature.map_or(chosen.curvature_max, |[_, high]| 3.0 * high);
-        WeldRequest {
-            placement: self.placement,
-            stitch: self.stitch,
-            shape: self.shape,
-            convexity: self.convexity,
-            form: self.form,
-            length: self.length.unwrap_or(chosen.length),
-            width,
-            height: self.height.unwrap_or(chosen.height * width / chosen.width),
-            curvature_rms: self.curvature.unwrap_or(chosen.curvature_rms),
-            curvature_max: self.curvature_max.unwrap_or(sharpest),
-            correlation: self.correlation,
-            exposure: self.exposure.unwrap_or(chosen.exposure),
-            exposure_reach: self.exposure_reach.unwrap_or(chosen.exposure_reach),
-            tool: self.tool,
-            min_access: self.min_access.unwrap_or(chosen.min_access),
-            gap: chosen.gap.max(width),
-            may_shrink: !fixed,
-            reasons: if sized { Vec::new() } else { chosen.reasons },
-            ..chosen
-        }
-    }
-}
-
 fn report_weld(weld: &Weld, console: &Console) {
     console.step("weld", describe_weld(weld));
-    for warning in limits::bead_warnings(weld) {
+    for warning in weld.warnings() {
         console.step("warning", warning);
     }
 }

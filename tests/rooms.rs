@@ -31,7 +31,22 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("benchmark", &["effects", "files", "lab", "random", "study", "trials", "virtual-lab"]),
     ("report", &["lab", "robot", "sdf-bake", "study", "trials"]),
-    ("workbench", &["effects", "files", "lab", "render", "report", "sdf-bake", "study", "trial-simulation", "trials"]),
+    (
+        "workbench",
+        &[
+            "effects",
+            "files",
+            "lab",
+            "render",
+            "report",
+            "sdf-bake",
+            "shaders",
+            "study",
+            "trial-simulation",
+            "trials",
+            "weldgen",
+        ],
+    ),
     (
         "",
         &[

@@ -8,10 +8,10 @@ const PAPER: [u8; 3] = [255, 255, 255];
 const INK: [u8; 3] = [38, 44, 52];
 const FAINT: [u8; 3] = [104, 112, 122];
 const RULE: [u8; 3] = [208, 213, 219];
-/// Border and gap between panels [dots of text].
+/// Border and gap between panels, times the scale of the text [pixels].
 const GAP: usize = 7;
-/// Panel height per pixel of dot size [pixels].
-const PANEL_ROWS_PER_DOT: usize = 320;
+/// Panel height per scale of the text [pixels].
+const PANEL_ROWS_PER_SCALE: usize = 320;
 
 /// One picture of a contact sheet.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct Panel {
 /// `title`: one line at the top left, clipped at the right border; empty for none.
 pub fn contact_sheet(title: &str, panels: &[Panel]) -> Picture {
     let tallest = panels.iter().map(|panel| panel.picture.height).max().unwrap_or(0);
-    let scale = (tallest as f64 / PANEL_ROWS_PER_DOT as f64).round().max(1.0) as usize;
+    let scale = (tallest as f64 / PANEL_ROWS_PER_SCALE as f64).round().max(1.0) as usize;
     let gap = GAP * scale;
     let line = text_size("", scale).1;
     let legends: Vec<Option<Picture>> = panels

@@ -24,7 +24,7 @@ impl Legend {
         Self { title: "removed depth [mm]".into(), full_scale: 1e3 * full_scale }
     }
 
-    /// Draws the legend `width` pixels wide, with `scale` pixels per dot of its text.
+    /// Draws the legend `width` pixels wide, with text of this `scale`.
     pub fn draw(&self, width: usize, scale: usize, paper: [u8; 3]) -> Picture {
         let labels: Vec<String> = (0..=INTERVALS).map(|i| tick_label(self.full_scale, i)).collect();
         let widest = labels.iter().map(|label| text_size(label, scale).0).max().unwrap_or(0);
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn the_bar_runs_from_the_first_to_the_last_colour() {
         let picture = Legend::removed_depth(0.0005).draw(300, 2, [255; 3]);
-        let row = 3 * picture.width * 25;
+        let row = 3 * picture.width * (text_size("", 2).1 + 8);
         let pixels: Vec<[u8; 3]> = picture.rgb[row..row + 900]
             .chunks(3)
             .map(|p| [p[0], p[1], p[2]])

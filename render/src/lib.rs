@@ -43,7 +43,6 @@ mod edges;
 mod environment_map;
 mod exr_file;
 mod field;
-mod font;
 mod frame;
 mod fusion_line;
 mod gbuffer_lanes;

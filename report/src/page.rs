@@ -26,6 +26,8 @@ figure { margin: 1rem 0; } img, svg { max-width: 100%; height: auto; } figcaptio
 table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .25rem .9rem .25rem 0; text-align: left;
 border-bottom: 1px solid #dfe3ea; vertical-align: top; } .scroll { overflow-x: auto; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 rect.strip { fill: transparent; } rect.strip:hover { fill: rgb(28 35 48 / .12); }
+.facts th { font-weight: 600; } .facts td { overflow-wrap: anywhere; } a { color: #1f5f99; }
+@media (max-width: 40rem) { .drawing { overflow-x: auto; } .drawing svg { width: 40rem; max-width: none; } .facts th { width: 42%; overflow-wrap: anywhere; } }
 code { font-size: .9em; background: #f2f4f8; padding: .05em .3em; border-radius: 3px; }
 @media print { body { margin: 0; max-width: none; font-size: 10.5pt; } figure, table { break-inside: avoid; } @page { size: A4; margin: 15mm; } }
 ";
@@ -82,9 +84,21 @@ impl Page {
         ));
     }
 
-    /// Appends an inline SVG drawing.
+    /// Appends an inline SVG drawing; on a narrow screen it scrolls sideways, so that its text can be read.
     pub fn drawing(&mut self, svg: &str, caption: &str) {
-        self.append(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>\n", escape(caption)));
+        let caption = escape(caption);
+        self.append(&format!(
+            "<figure><div class=\"drawing\" tabindex=\"0\" role=\"group\" aria-label=\"{caption}\">{svg}</div>\
+             <figcaption>{caption}</figcaption></figure>\n"
+        ));
+    }
+
+    /// Appends a list of links to files beside the page, each with its address and words.
+    pub fn links(&mut self, links: &[(String, String)]) {
+        let item = |(address, words): &(String, String)| {
+            format!("<li><a href=\"{}\">{}</a></li>\n", escape(address), escape(words))
+        };
+        self.append(&format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>()));
     }
 
     /// Appends a table of names and values.
@@ -95,7 +109,7 @@ impl Page {
                 format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(name.as_ref()), escape(value))
             })
             .collect();
-        self.append(&format!("<table>\n{rows}</table>\n"));
+        self.append(&format!("<table class=\"facts\">\n{rows}</table>\n"));
     }
 
     /// Appends a table of numbers under headings; the first column names the row.

@@ -63,6 +63,15 @@ const WHEEL_WIDTH: f64 = 0.004;
 const FEED: f64 = 10e-3;
 /// Seed of the weld; it selects the corner of the bracket for the fillet.
 const DEFAULT_SEED: u64 = 7;
+/// Links of the page, with their words.
+const LINKS: [(&str, &str); 6] = [
+    ("study/report.html", "The study: what was hidden in a sealed example, and how it was found"),
+    ("study/story.svg", "The study in one drawing"),
+    ("asset/workpiece.glb", "The welded workpiece in 3D (glTF)"),
+    ("asset/", "Files of the asset"),
+    ("grind/index.html", "The grinding, with its fields and logs"),
+    ("demo.json", "All figures of this page"),
+];
 /// Seed of the study's permutations.
 const STUDY_SEED: u64 = 1;
 
@@ -143,7 +152,8 @@ fn weld_and_grind(args: &DemoArgs, folder: &Path, console: &Console) -> Result<G
     if let Some(error) = ground.run.stopped.take() {
         return Err(error);
     }
-    let page = finishing::write(&ground, &asset, grind_folder, console)?;
+    let links = LINKS.map(|(address, words)| (address.to_owned(), words.to_owned()));
+    let page = finishing::write(&ground, &asset, grind_folder, &links, console)?;
     console.step("weld", finishing::describe_rest(&ground));
     fs::write(folder.join(PAGE_FILE), page)?;
     Ok(ground)
@@ -218,6 +228,10 @@ mod tests {
         make(&args, &search, &Console::silent()).expect("a whole demo");
         for file in [PAGE_FILE, "asset/asset.json", "grind/ground.nvdb", "study/report.html", "study/story.svg"] {
             assert!(out.join(file).is_file(), "{file}");
+        }
+        let page = fs::read_to_string(out.join(PAGE_FILE)).expect("a page");
+        for (address, _) in LINKS {
+            assert!(page.contains(&format!("href=\"{address}\"")) && out.join(address).exists(), "{address}");
         }
         let answer: Value = read_json(&out.join(DEMO_FILE), "the figures of a demo").expect("figures");
         let [field, law] = ["removed_mm3", "removed_by_law_mm3"].map(|key| {

@@ -317,7 +317,7 @@ fn run_asset(args: &SimulateArgs, console: &Console) -> Result<()> {
     let executor = Executor::from(device.as_ref());
     let (grinding, session) = (Grinding { wheel, plan, model }, Session { executor, console });
     let mut ground = grind_asset(&args.folder, grinding, &keeping, folder.path(), session)?;
-    finishing::write(&ground, &args.folder, folder, console)?;
+    finishing::write(&ground, &args.folder, folder, &[], console)?;
     console.step("weld", finishing::describe_rest(&ground));
     if let Some(error) = ground.run.stopped.take() {
         let passes = (ground.run.passes.len(), plan.passes as usize);

@@ -10,6 +10,7 @@ use rand::rngs::SysRng;
 use serde::Serialize;
 use workbench::{Options, Workbench, WorkbenchError, open_in_browser};
 
+use super::backend_flags::BackendFlags;
 use crate::console::Console;
 use crate::wrong_use;
 
@@ -29,6 +30,8 @@ pub(super) struct WorkbenchArgs {
     /// Folder that keeps what is tried [default: the folder's name with -workbench behind it, in the current folder].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    backend: BackendFlags,
     /// Open no browser.
     #[arg(long)]
     no_open: bool,
@@ -46,7 +49,8 @@ pub(super) fn run(args: &WorkbenchArgs, console: &Console) -> Result<()> {
     let folder = std::path::absolute(&args.folder)?;
     let out = std::path::absolute(args.out.clone().unwrap_or_else(|| Options::usual_out(&folder)))?;
     let address = SocketAddr::new(args.listen, args.port);
-    let options = Options { folder, out: out.clone(), address, token: token()? };
+    let device = args.backend.device(None, console)?;
+    let options = Options { folder, out: out.clone(), address, token: token()?, device };
     let bench = Workbench::bind(options).map_err(|error| match error {
         WorkbenchError::NoFolder { .. } => wrong_use(error.to_string()),
         error => error.into(),

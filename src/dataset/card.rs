@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use super::Recipe;
-use super::difficulty::Difficulty;
 use super::row::RowFigures;
 use crate::store::Failure;
+use weldgen::Difficulty;
 
 /// A row of the table of statistics: its name, and a function that reads its value.
 type Figure = (&'static str, fn(&RowFigures) -> f64);

@@ -18,7 +18,6 @@ mod catalogue;
 pub mod check;
 mod contact_sheet;
 mod croissant;
-mod difficulty;
 pub mod item;
 pub mod plan;
 mod recipe;

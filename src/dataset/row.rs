@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use weldgen::Difficulty;
 
-use super::difficulty::{Difficulty, turn};
 use super::plan::{index_of, key_of};
 use super::{ASSETS_FOLDER, Dataset};
 use crate::asset::{CurveTruth, FileRecord, MANIFEST_FILE, Manifest, WeldTruth, Welds};
@@ -22,7 +22,7 @@ pub struct Row {
     pub id: String,
     /// `train`, `validation` or `test`: all items of a part have the same.
     pub split: String,
-    /// Difficulty, from measurements.
+    /// Difficulty of its hardest weld, from measurements.
     pub difficulty: Difficulty,
     /// File name of the source.
     pub source: String,
@@ -64,6 +64,11 @@ pub(super) fn split_of(key: &str) -> &'static str {
     }
 }
 
+/// Returns the greatest turn of a weld over one bead width, |κ_g|·w [rad].
+fn turn_of(weld: &WeldTruth) -> f64 {
+    weld.geodesic_curvature_max_per_m * 1e-3 * weld.width_mm
+}
+
 impl RowFigures {
     /// Reads an item from its folder.
     ///
@@ -76,14 +81,15 @@ impl RowFigures {
         let fold = |start: f64, pick: fn(f64, f64) -> f64, figure: fn(&WeldTruth) -> f64| {
             welds.iter().map(figure).fold(start, pick)
         };
-        let (exposure, turn) = (fold(1.0, f64::min, |weld| weld.exposure_min), fold(0.0, f64::max, turn));
+        let (exposure, turn) = (fold(1.0, f64::min, |weld| weld.exposure_min), fold(0.0, f64::max, turn_of));
+        let hardest = welds.iter().map(|weld| Difficulty::measured(weld.exposure_min, turn_of(weld))).max();
         let length_mm = welds.iter().map(|weld| weld.length_mm).sum();
         let mut files = manifest.files.clone();
         files.insert(MANIFEST_FILE.to_owned(), FileRecord::of(&folder.join(MANIFEST_FILE))?);
         let row = Row {
             id: id.to_owned(),
             split: split_of(key_of(id)).to_owned(),
-            difficulty: Difficulty::of(&welds),
+            difficulty: hardest.unwrap_or(Difficulty::Easy),
             index,
             licence: dataset.recipe.licence.clone(),
             seed: manifest.seed,

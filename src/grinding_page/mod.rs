@@ -12,16 +12,24 @@ use crate::picture::{GrindPictures, to_png};
 use files::input::{self, MOST_MESH_BYTES};
 use report::{Chart, Page, Series, WIDE};
 
-/// Builds the page of a ground asset: workpiece, grinding, results, files.
+/// Builds the page of a ground asset: workpiece, links to files beside the page, grinding, results, files.
+///
+/// - `links`: addresses and words
 ///
 /// # Errors
 /// If the manifest, the picture or a file of the asset cannot be read.
-pub fn grinding_page(asset: &Path, ground: &Ground, pictures: &GrindPictures) -> Result<String> {
+pub fn grinding_page(
+    asset: &Path,
+    ground: &Ground,
+    pictures: &GrindPictures,
+    links: &[(String, String)],
+) -> Result<String> {
     let manifest = Manifest::read(asset)?;
     let mut page = Page::new("RoboFin: from a CAD mesh to a ground weld", &lead(ground));
     let welded = input::read(&asset.join(PREVIEW_FILE), MOST_MESH_BYTES)?;
     page.picture(&welded, "The welded workpiece, drawn from its signed distance field; weld metal is tinted.");
     page.picture(&to_png(&pictures.sheet)?, "The weld before and after grinding, and the depth that was removed.");
+    page.links(links);
     add_grinding(&mut page, ground);
     page.section("Weld");
     page.facts(&weld_facts(&ground.weld));
@@ -66,7 +74,7 @@ fn add_grinding(page: &mut Page, ground: &Ground) {
     ];
     page.table(&headings, &pass_rows(ground));
     page.drawing(&section::middle_section(ground), "Section across the middle of the weld, as welded and as ground.");
-    page.drawing(&force_chart(ground), "Normal force along each pass.");
+    page.drawing(&force_chart(ground), "Force error along each pass, while the wheel touches.");
     page.facts(&process_facts(ground));
 }
 
@@ -85,18 +93,27 @@ fn pass_rows(ground: &Ground) -> Vec<Vec<String>> {
     ground.run.passes.iter().enumerate().map(row).collect()
 }
 
+/// Draws force minus setpoint while the wheel touches, in the unit in which its greatest value has one to three digits.
 fn force_chart(ground: &Ground) -> String {
-    let line = |(i, pass): (usize, &WeldPass)| {
-        Series::new(format!("pass {}", i + 1), pass.record.log.iter().map(|row| (row.time, row.force)).collect())
+    let setpoint = ground.grinding.plan.force_setpoint;
+    let errors = |pass: &WeldPass| -> Vec<(f64, f64)> {
+        let touching = pass.record.log.iter().filter(|row| row.force > 0.0);
+        touching.map(|row| (row.time, row.force - setpoint)).collect()
     };
-    let series: Vec<Series> = ground.run.passes.iter().enumerate().map(line).collect();
+    let lines: Vec<Vec<(f64, f64)>> = ground.run.passes.iter().map(errors).collect();
+    let most = lines.iter().flatten().map(|point| point.1.abs()).fold(0.0, f64::max);
+    let units = [(1.0, "N"), (1e-3, "mN"), (1e-6, "µN")];
+    let (unit, name) = units.into_iter().find(|(unit, _)| most >= *unit).unwrap_or((1e-6, "µN"));
+    let scaled = |line: &[(f64, f64)]| line.iter().map(|&(time, error)| (time, error / unit)).collect();
+    let series: Vec<Series> =
+        lines.iter().enumerate().map(|(i, line)| Series::new(format!("pass {}", i + 1), scaled(line))).collect();
     Chart {
-        title: "Normal force along each pass",
+        title: "Force error along each pass",
         x_label: "time in the pass [s]",
-        y_label: "normal force [N]",
+        y_label: &format!("force − setpoint [{name}]"),
         series: &series,
         size: WIDE,
-        from_zero: true,
+        from_zero: false,
         band: None,
     }
     .to_svg()

@@ -35,3 +35,4 @@ mod shared_parts;
 mod surface;
 mod trial_road;
 mod units;
+mod workbench;

@@ -164,8 +164,19 @@ impl Dial {
         if self.unit == Unit::Length { shown_mm(value) } else { shown(value) }
     }
 
+    /// Returns the unit of the flag's values in brackets; empty for shares and counts.
+    pub fn flag_unit(&self) -> &'static str {
+        match self.unit {
+            Unit::Length => "[mm]",
+            Unit::PerMetre => "[1/m]",
+            Unit::One => "",
+            Unit::Widths => "[bead widths]",
+            Unit::Heights => "[bead heights]",
+        }
+    }
+
     /// Formats the accepted range.
-    pub(crate) fn accepted(&self) -> String {
+    pub fn accepted(&self) -> String {
         let [least, most] = self.range;
         match self.range {
             ABOVE_ZERO => "above zero".to_owned(),

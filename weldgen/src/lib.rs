@@ -25,8 +25,9 @@
 //!
 //! Modules in the order of processing: [`topology`] (neighbours), [`curvature`] (geodesic curvature), [`trace`] (the
 //! curve), [`exposure`] (free share of the hemisphere), [`access`] (tool access), [`dials`] (accepted requests),
-//! [`request`] (a request), [`surface`] (a prepared part), [`strata`] (possible starts), [`seam`] (possible fillets),
-//! [`place`] (proposals until one fits), [`curve`] (points with frames), [`bead`] (sections and the swept mesh).
+//! [`WeldSettings`] (what users set), [`request`] (a complete request), [`surface`] (a prepared part), [`strata`]
+//! (possible starts), [`seam`] (possible fillets), [`place`] (proposals until one fits), [`curve`] (points with frames),
+//! [`bead`] (sections and the swept mesh).
 //!
 //! Lengths are in metres, angles in radians, curvatures in 1/m. Vertices of the part must be shared between triangles
 //! and normals must point outwards. This crate opens no file, prints nothing, and takes its randomness as a seed;
@@ -40,6 +41,7 @@ pub mod curve;
 mod cut;
 mod dial_fault;
 pub mod dials;
+mod difficulty;
 pub mod exposure;
 mod fillet;
 mod fit;
@@ -51,6 +53,8 @@ mod propose;
 pub mod rejection;
 pub mod request;
 pub mod seam;
+mod setting_fault;
+mod settings;
 mod shortfall;
 mod stitch;
 pub mod strata;
@@ -61,6 +65,9 @@ pub mod trace;
 pub use bead::{BeadProfile, sweep};
 pub use curve::{CurvePoint, WeldCurve};
 pub use dial_fault::DialFault;
+pub use difficulty::Difficulty;
 pub use place::{PlaceError, Weld, place_weld, place_weld_on, place_welds_on};
-pub use request::{Difficulty, Joint, Placement, Stitch, WeldRequest};
+pub use request::{Joint, Placement, Stitch, WeldRequest};
+pub use setting_fault::SettingFault;
+pub use settings::WeldSettings;
 pub use surface::Surface;

@@ -10,6 +10,7 @@ use crate::dials::{
     ABOVE_ZERO, CONVEXITY, CORRELATION, CURVATURE_MAX, CURVATURE_RMS, Dial, EXPOSURE, EXPOSURE_REACH, HEIGHT,
     LEAST_ACCESS, LENGTH, OVERLAP, STITCH_LENGTH, STITCH_PITCH, TOOL_RADIUS, TOOL_WIDTH, Unit, WIDTH,
 };
+use crate::difficulty::Difficulty;
 
 /// Voxels per diagonal of the part, for the voxel that is usually given to [`WeldRequest::for_part`].
 pub const VOXELS_PER_DIAGONAL: f64 = 256.0;
@@ -22,30 +23,6 @@ const ORDINARY_WIDTH: f64 = 0.010;
 const MOST_RMS: f64 = 0.95;
 /// Least length of a weld [bead widths].
 pub(crate) const WIDTHS_PER_LENGTH: f64 = 3.0;
-
-/// Difficulty of finishing a weld: a preset of all dials.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Difficulty {
-    /// Short, nearly straight, freely accessible.
-    Easy,
-    /// The preset of [`WeldRequest::for_part`].
-    #[default]
-    Medium,
-    /// Long and winding, with low exposure if the part has any such place.
-    Hard,
-}
-
-impl Difficulty {
-    /// Ranges of length [diagonals], RMS of κ_g [1/diagonal] and exposure, and the greatest κ_g [1/diagonal].
-    fn dials(self) -> ([[f64; 2]; 3], f64) {
-        match self {
-            Self::Easy => ([[0.15, 0.3], [0.0, 1.0], [0.8, 1.0]], 3.0),
-            Self::Medium => ([[0.25, 0.5], [2.0, 4.0], [0.5, 1.0]], 8.0),
-            Self::Hard => ([[0.5, 0.9], [4.0, 7.0], [0.2, 0.8]], 16.0),
-        }
-    }
-}
 
 /// Location of a weld.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

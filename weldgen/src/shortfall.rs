@@ -1,9 +1,26 @@
-//! Requested imperfections that do not fit on the part.
+//! Implausible properties of a weld, and requested imperfections that do not fit on the part.
 
 use crate::bead::DefectKind;
 use crate::place::Weld;
 
+/// Diameter of the thinnest welding wire [m]; no bead is narrower.
+const THINNEST_WIRE: f64 = 0.6e-3;
+
 impl Weld {
+    /// Sentences for implausible or unmet properties.
+    pub fn warnings(&self) -> Vec<String> {
+        let width = self.profile.width;
+        let thin = (width < THINNEST_WIRE).then(|| {
+            format!(
+                "the bead is {:.3} mm wide, and the thinnest welding wire is {} mm: check --unit and the size of the part, or \
+                 give --width-mm",
+                width * 1e3,
+                THINNEST_WIRE * 1e3
+            )
+        });
+        thin.into_iter().chain(self.shortfalls()).collect()
+    }
+
     /// Sentences for imperfections that are fewer than requested, with reasons.
     pub fn shortfalls(&self) -> Vec<String> {
         let form = &self.request.form;

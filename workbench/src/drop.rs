@@ -127,7 +127,10 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Refusal {
 }
 
 /// Returns a name that is one visible entry of a folder.
-fn fit(name: &str) -> Result<&str, Refusal> {
+///
+/// # Errors
+/// The name, and which names are accepted.
+pub(crate) fn fit(name: &str) -> Result<&str, Refusal> {
     let is_letter = |c: char| !(c.is_control() || "/\\:*?\"<>|".contains(c));
     let is_fit = !name.is_empty()
         && name.chars().count() <= LONGEST_NAME

@@ -6,19 +6,36 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::bench::Bench;
 use crate::error::Refusal;
+use crate::part::Studio;
 use crate::place::{Kind, Place, places};
+use crate::sets::ImageSets;
+use crate::weld::Welder;
 
 /// The served folder and its open benches.
 pub(crate) struct Home {
     folder: PathBuf,
     out: PathBuf,
     benches: Mutex<BTreeMap<String, Arc<Bench>>>,
+    /// Parts, and the assets made of them.
+    pub(crate) welder: Welder,
+    /// Sets of images that were read last.
+    pub(crate) images: ImageSets,
+    /// Device for photographs; `None` for the CPU.
+    pub(crate) studio: Option<Arc<Studio>>,
 }
 
 impl Home {
     /// Makes a home of the served folder and the folder for results.
-    pub(crate) fn new(folder: PathBuf, out: PathBuf) -> Self {
-        Self { folder, out, benches: Mutex::default() }
+    pub(crate) fn new(folder: PathBuf, out: PathBuf, studio: Option<Studio>) -> Self {
+        let welder = Welder::new(&folder, &out);
+        Self {
+            folder,
+            out,
+            benches: Mutex::default(),
+            welder,
+            images: ImageSets::default(),
+            studio: studio.map(Arc::new),
+        }
     }
 
     /// Returns the name of the folder.
@@ -45,6 +62,12 @@ impl Home {
     pub(crate) fn address_of(&self, trial: &Path) -> String {
         let holds = |place: &&Place| place.kind == Kind::Campaign && trial.parent() == Some(&place.path);
         self.places().0.iter().find(holds).map_or("/".to_owned(), |place| format!("/bench/{}", place.id))
+    }
+
+    /// Returns the address of an asset's picture; `None` if there is no asset in this folder.
+    pub(crate) fn address_of_asset(&self, folder: &Path) -> Option<String> {
+        let is_own = |place: &&Place| place.kind == Kind::Asset && place.path == folder;
+        self.places().0.iter().find(is_own).map(|place| format!("/place/{}", place.id))
     }
 
     /// Finds a place by its id in addresses.

@@ -8,10 +8,10 @@ use trials::table::TABLE_FILE;
 use trials::trial::Campaign;
 
 /// Greatest depth below the served folder, and greatest number of folders searched; they bound the search.
-const DEEPEST: usize = 4;
-const MOST_FOLDERS: usize = 4000;
+pub(crate) const DEEPEST: usize = 4;
+pub(crate) const MOST_FOLDERS: usize = 4000;
 /// Number of hexadecimal digits of a place's id.
-const ID_DIGITS: usize = 12;
+pub(crate) const ID_DIGITS: usize = 12;
 
 /// Kind of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,7 +42,7 @@ impl Kind {
     ];
 
     /// Finds the kind of a folder by the marker file in it.
-    fn of(folder: &Path) -> Option<Self> {
+    pub(crate) fn of(folder: &Path) -> Option<Self> {
         let marks = [
             ("study.json", Self::Study),
             ("calibration.json", Self::Result),
@@ -127,7 +127,7 @@ pub(crate) fn places(root: &Path) -> (Vec<Place>, bool) {
 }
 
 /// Lists the visible subfolders, without links; empty if the folder cannot be read.
-fn folders(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn folders(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let is_shown = |name: &str| !name.starts_with('.') && name != "target" && name != "node_modules";
     let own = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));

@@ -1,5 +1,8 @@
 //! Addresses that the server answers.
 
+mod sets;
+mod weld;
+
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -18,6 +21,7 @@ use crate::bench::{Bench, PAGE_FILE, Stage, Task};
 use crate::drop::{Draft, TrialPlace};
 use crate::error::Refusal;
 use crate::home::Home;
+use crate::next_trial::archive;
 use crate::pages;
 use crate::part::{Line, PictureData, PictureRequest, drawn, motion, probed, region, section};
 use crate::place::Kind;
@@ -38,6 +42,7 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
     Router::new()
         .route("/", get(home_page))
         .route("/place/{id}", get(place_file))
+        .route("/place/{id}/next-trial.zip", get(next_trial))
         .route("/asset/{name}", get(asset))
         .route("/bench/{id}", get(bench_page))
         .route("/bench/{id}/state", get(state))
@@ -51,6 +56,8 @@ pub(crate) fn all(home: Arc<Home>) -> Router {
         .route("/bench/{id}/section", get(cut))
         .route("/bench/{id}/region", get(conditions))
         .route("/bench/{id}/motion", get(way))
+        .merge(weld::routes())
+        .merge(sets::routes())
         .route("/drop/begin", post(drop_begin))
         .route("/drop/file", put(drop_file).layer(DefaultBodyLimit::max(MOST_DROPPED_BYTES)))
         .route("/drop/draft", post(drop_draft))
@@ -83,6 +90,12 @@ async fn place_file(State(home): Of, Path(id): Path<String>) -> Answer<Response>
         Ok(if place.kind == Kind::Asset { picture(bytes) } else { document(bytes) })
     };
     blocking(read).await
+}
+
+async fn next_trial(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
+    let packed = blocking(move || archive(&home.place(&id)?.path)).await?;
+    let name = (CONTENT_DISPOSITION, "attachment; filename=\"next-trial.zip\"");
+    Ok(([(CONTENT_TYPE, "application/zip"), name], packed).into_response())
 }
 
 fn document(html: impl IntoResponse) -> Response {
@@ -169,11 +182,12 @@ async fn replay(State(home): Of, Path(id): Path<String>) -> Answer<Response> {
 
 /// Collects the data for pictures: the scans, and a model, by default the current one.
 async fn looked_at(home: Arc<Home>, id: String, model: Option<usize>) -> Answer<PictureData> {
+    let studio = home.studio.clone();
     let bench = bench_of(home, id).await?;
     bench.shared.read(|state| {
         let surfaces = state.surfaces().ok_or_else(|| Refusal::early("there are no surfaces to look at yet"))?;
         let stage = model.map_or_else(|| state.current(), |number| state.stage(number));
-        Ok(PictureData { surfaces, live: stage.and_then(|stage| stage.live()) })
+        Ok(PictureData { surfaces, live: stage.and_then(|stage| stage.live()), studio })
     })
 }
 

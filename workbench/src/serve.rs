@@ -8,11 +8,13 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use axum::middleware;
+use shaders::Device;
 use tokio::runtime;
 
 use crate::error::WorkbenchError;
 use crate::guard::{self, Guard};
 use crate::home::Home;
+use crate::part::Studio;
 use crate::routes;
 
 /// Suffix of the default name of the folder for results.
@@ -28,6 +30,8 @@ pub struct Options {
     pub address: SocketAddr,
     /// Token that a browser must present: random letters and digits.
     pub token: String,
+    /// Device that takes photographs; `None` for the CPU.
+    pub device: Option<Device>,
 }
 
 impl Options {
@@ -68,7 +72,7 @@ impl Workbench {
     /// # Errors
     /// [`WorkbenchError`] if the path is not a folder or the address cannot be bound.
     pub fn bind(options: Options) -> Result<Self, WorkbenchError> {
-        let Options { folder, out, address, token } = options;
+        let Options { folder, out, address, token, device } = options;
         if !folder.is_dir() {
             return Err(WorkbenchError::NoFolder { folder });
         }
@@ -78,7 +82,7 @@ impl Workbench {
         })?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
-        let home = Arc::new(Home::new(folder, out));
+        let home = Arc::new(Home::new(folder, out, device.map(Studio::on).transpose()?));
         Ok(Self { listener, address, token, home })
     }
 

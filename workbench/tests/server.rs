@@ -26,6 +26,15 @@ fn no_request_without_the_token_is_answered() {
         ("GET /?token=ffffffffffffffffffffffffffffffff", host.clone()),
         ("POST /bench/000000000000/task", format!("{host}{cookie}")),
         ("POST /bench/000000000000/task", foreign.clone()),
+        ("GET /weld", host.clone()),
+        ("GET /weld/parts/bundled/picture", host.clone()),
+        ("GET /weld/run?since=0", host.clone()),
+        ("POST /weld/run", foreign.clone()),
+        ("POST /weld/run", format!("{host}{cookie}")),
+        ("POST /weld/cancel", foreign.clone()),
+        ("GET /set/000000000000/rows", host.clone()),
+        ("GET /set/000000000000/images/x/dose", host.clone()),
+        ("GET /place/000000000000/next-trial.zip", host.clone()),
         ("POST /drop/begin?campaign=&trial=x", foreign.clone()),
         ("PUT /drop/file?campaign=&trial=x&file=y", host.clone()),
         ("GET /", foreign),
@@ -51,6 +60,7 @@ fn a_port_that_is_taken_and_a_folder_that_is_not_there_are_said() {
         out: folder.join("out"),
         address,
         token: TOKEN.to_owned(),
+        device: None,
     };
     let error = Workbench::bind(options(folder.path(), taken.local_addr().unwrap())).err().unwrap();
     assert!(matches!(error, WorkbenchError::Taken { .. }) && error.to_string().contains("--port"), "{error}");

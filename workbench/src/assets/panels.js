@@ -83,6 +83,12 @@ const showSuspects = (state) => {
     heading("held out", true), heading("note"), heading("")));
   const rows = suspects.rows.map((row) => suspectRow(row, suspects.unit));
   find("suspects").replaceChildren(head, make("tbody", {}, ...rows));
+  const { plan } = suspects;
+  find("next-trial").hidden = !plan;
+  if (plan) {
+    const files = plan.address ? [" ", make("a", { href: plan.address, download: "next-trial.zip" }, "Its files"), "."] : [];
+    find("next-trial").replaceChildren(`The next trial: ${plan.summary}`, ...files);
+  }
 };
 
 const showLibrary = (state) => {

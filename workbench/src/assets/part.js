@@ -1,8 +1,10 @@
 // The workpiece: drawn by the server while the pointer turns it, read by a click, cut along a line; what is different
 // in a box.
 
+import { divider } from "./divider.js";
 import { ask, find, make, number } from "./dom.js";
 import { askMotion, paintMotion } from "./motion.js";
+import { dragged, keyed, wheeled } from "./orbit.js";
 import { regionTables } from "./region.js";
 
 const view = find("view");
@@ -25,19 +27,20 @@ let again = null;
 let later = 0;
 let coarse = 1;
 let bitmap = null;
+let former = null;
+let split = null;
 let line = null;
 let box = null;
 let mark = null;
 let drags = "turn";
-let before = false;
 let trials = null;
 let drawn = 0;
 
-/** What is asked for, beside the size. */
-const query = (extra) => {
+/** What is asked for, beside the size; before the first pass, or after the chosen one. */
+const query = (extra, before = false) => {
   const pass = before ? 0 : +find("pass").value;
-  const plain = before && ["deviation", "noise"].includes(find("mode").value);
-  const [mode, covariate] = plain || (before && find("mode").value.startsWith("covariate")) ? ["removed"] : find("mode").value.split(" ");
+  const isPlain = before && !["photograph", "dose"].includes(find("mode").value);
+  const [mode, covariate] = isPlain ? ["removed"] : find("mode").value.split(" ");
   const shown = covariate === undefined ? { mode } : { mode, covariate };
   return new URLSearchParams({ trial: find("trial").value, pass, whose: find("whose").value, ...shown, ...turn, ...extra });
 };
@@ -45,6 +48,14 @@ const query = (extra) => {
 const paint = () => {
   const context = view.getContext("2d");
   if (bitmap) context.drawImage(bitmap, 0, 0, view.width, view.height);
+  if (former && split.isOn()) {
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, split.x(), view.height);
+    context.clip();
+    context.drawImage(former, 0, 0, view.width, view.height);
+    context.restore();
+  }
   paintMotion(context);
   context.lineWidth = 2;
   if (line) {
@@ -135,9 +146,12 @@ const draw = async (fine) => {
   const size = { width: Math.round(view.width * scale), height: Math.round(view.height * scale), fine };
   try {
     const whole = query({ width: view.width, height: view.height, fine });
-    const [answer] = await Promise.all([ask(`${address}/frame?${query(size)}`), askMotion(address, whole)]);
+    const earlier = split.isOn() ? ask(`${address}/frame?${query(size, true)}`) : null;
+    const [answer, first] = await Promise.all([ask(`${address}/frame?${query(size)}`), earlier, askMotion(address, whole)]);
     showLegend(JSON.parse(answer.headers.get("x-legend")));
     bitmap = await createImageBitmap(await answer.blob());
+    former = first && await createImageBitmap(await first.blob());
+    view.dataset.divided = Boolean(former);
     paint();
     await paintOther(size);
     drawn += 1;
@@ -175,7 +189,7 @@ const placeOf = (event) => {
 
 const probe = async ([x, y]) => {
   const pixel = { x: Math.round(x - 0.5), y: Math.round(y - 0.5), width: view.width, height: view.height, fine: false };
-  return (await ask(`${address}/probe?${query(pixel)}`)).json();
+  return (await ask(`${address}/probe?${query(pixel, split.isOn() && x < split.x())}`)).json();
 };
 
 const read = async (place) => {
@@ -246,12 +260,8 @@ const drag = (start) => {
       if (drags === "cut") line = [from, [x, y]];
       else box = [from, [x, y]];
       paint();
-    } else if (start.shiftKey || start.button === 2) {
-      turn = { ...begun, right: begun.right + dx / view.height, up: begun.up - dy / view.height };
-      move();
     } else {
-      const elevation = Math.max(-89, Math.min(89, begun.elevation + dy * 0.35));
-      turn = { ...begun, azimuth: begun.azimuth - dx * 0.35, elevation };
+      turn = dragged(begun, [dx, dy], view.height, start.shiftKey || start.button === 2);
       move();
     }
   };
@@ -268,19 +278,12 @@ const drag = (start) => {
   view.addEventListener("pointercancel", end, { once: true });
 };
 
-const KEYS = {
-  ArrowLeft: () => { turn.azimuth += 6; }, ArrowRight: () => { turn.azimuth -= 6; },
-  ArrowUp: () => { turn.elevation = Math.max(-89, turn.elevation - 6); },
-  ArrowDown: () => { turn.elevation = Math.min(89, turn.elevation + 6); },
-  "+": () => { turn.zoom *= 1.2; }, "-": () => { turn.zoom /= 1.2; }, 0: () => { turn = { ...ABOVE }; },
-};
-
 const press = (event) => {
   if (event.key === "Enter") return read([view.width / 2, view.height / 2]);
-  const change = KEYS[event.key];
-  if (!change || event.ctrlKey || event.metaKey) return undefined;
+  const to = event.ctrlKey || event.metaKey ? null : keyed(turn, event.key, ABOVE);
+  if (!to) return undefined;
   event.preventDefault();
-  change();
+  turn = to;
   return move();
 };
 
@@ -326,7 +329,7 @@ export const listen = (to) => {
   view.addEventListener("keydown", press);
   view.addEventListener("wheel", (event) => {
     event.preventDefault();
-    turn.zoom = Math.max(0.3, Math.min(40, turn.zoom * Math.exp(-event.deltaY * 0.0015)));
+    turn = wheeled(turn, event.deltaY);
     move();
   }, { passive: false });
   find("trial").addEventListener("change", () => { showPasses(); move(); });
@@ -340,9 +343,10 @@ export const listen = (to) => {
     find("way").setAttribute("aria-pressed", find("way").getAttribute("aria-pressed") !== "true");
     move();
   });
+  split = divider(view, find("divider"), paint);
   find("before").addEventListener("click", () => {
-    before = !before;
-    find("before").setAttribute("aria-pressed", before);
+    split.show(!split.isOn());
+    find("before").setAttribute("aria-pressed", split.isOn());
     move();
   });
   find("line").addEventListener("submit", (event) => {

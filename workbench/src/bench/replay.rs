@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use crate::shell;
+
 /// Folder that the commands write to.
 const FOLDER: &str = "replay";
 
@@ -52,23 +54,5 @@ pub(super) fn commands(places: &Places, (before, number): (usize, usize), change
 
 /// Quotes a path for a POSIX shell.
 fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hostile_names_are_one_word_of_the_shell() {
-        for name in ["a b", "$(touch x)", "it's", "a;b", "-"] {
-            let answer = std::process::Command::new("sh")
-                .args(["-c", &format!("printf %s {}", quoted(Path::new(name)))])
-                .output()
-                .unwrap();
-            assert_eq!(String::from_utf8(answer.stdout).unwrap(), name);
-        }
-    }
+    shell::quoted(&path.display().to_string())
 }

@@ -16,6 +16,19 @@ pub(super) struct Suspects {
     pub(super) none: f64,
     /// One row for each effect.
     pub(super) rows: Vec<Row>,
+    /// The trial that would decide, if one is proposed.
+    #[serde(default)]
+    plan: Option<Plan>,
+}
+
+/// A proposed trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Plan {
+    /// What to do, as a sentence.
+    summary: String,
+    /// Address of its files; `None` if they are not below the served folder.
+    #[serde(default)]
+    address: Option<String>,
 }
 
 /// A scored effect.
@@ -43,12 +56,14 @@ struct Diagnosis {
     none_probability: f64,
     error_unit: lab::ErrorUnit,
     suspects: Vec<Row>,
+    #[serde(default)]
+    next_trial: Option<Plan>,
 }
 
 impl Suspects {
     /// Reads the suspects from a diagnosis written by `diagnose --json`; `None` if the value has another form.
     pub(super) fn of(source: String, diagnosis: &Value) -> Option<Self> {
-        let Diagnosis { sentence, none_probability, error_unit, mut suspects } =
+        let Diagnosis { sentence, none_probability, error_unit, mut suspects, next_trial } =
             Diagnosis::deserialize(diagnosis).ok()?;
         suspects.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
         for row in &mut suspects {
@@ -57,6 +72,12 @@ impl Suspects {
             }
         }
         let unit = error_unit.symbol().to_owned();
-        Some(Self { source, sentence, unit, none: none_probability, rows: suspects })
+        Some(Self { source, sentence, unit, none: none_probability, rows: suspects, plan: next_trial })
+    }
+
+    /// Adds the address of the files of the proposed trial.
+    pub(super) fn with_files(mut self, address: String) -> Self {
+        self.plan.iter_mut().for_each(|plan| plan.address = Some(address.clone()));
+        self
     }
 }

@@ -25,6 +25,7 @@ use super::slider::{SliderSetting, four_digits};
 use super::stage::{Errors, Record, Slider, Stage};
 use super::suspects::Suspects;
 use super::task::Task;
+use crate::next_trial::has_plan;
 use crate::part::Surfaces;
 use crate::place::{Kind, Place, places};
 
@@ -379,7 +380,9 @@ fn of_a_study(root: &Path, measured: &str) -> Option<Suspects> {
     let of = |place: Place| {
         let record: StudyRecord = read_json(&place.path.join(STUDY_FILE), "the record of a study").ok()?;
         let diagnosis = record.diagnosis.filter(|_| record.measurements_sha256 == measured)?;
-        Suspects::of(format!("study {}", place.title()), &diagnosis)
+        let suspects = Suspects::of(format!("study {}", place.title()), &diagnosis)?;
+        let files = format!("/place/{}/next-trial.zip", place.id);
+        Some(if has_plan(&place.path) { suspects.with_files(files) } else { suspects })
     };
     studies.filter_map(of).next_back()
 }

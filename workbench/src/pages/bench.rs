@@ -60,17 +60,14 @@ fn part() -> Markup {
                 } }
                 label { "beside " select #beside { option value="" { "nothing" } } }
             }
-            div #views { canvas #view width="640" height="480" tabindex="0" role="img"
-                aria-label="The workpiece. Arrow keys turn it, plus and minus zoom, Enter reads the middle." {}
-                canvas #other width="640" height="480" role="img" hidden aria-label="The same view with another model" {}
-            }
+            (views())
             div #legend aria-label="legend" {}
             div.controls {
                 button #turn type="button" aria-pressed="true" { "Turn and read" }
                 button #cut type="button" aria-pressed="false" { "Section: drag a line" }
                 button #mark type="button" aria-pressed="false" { "Region: drag a box" }
                 button #way type="button" aria-pressed="false" { "Way of the tool" }
-                button #before type="button" aria-pressed="false" { "Before" }
+                button #before type="button" aria-pressed="false" { "Before beside after" }
                 button #reset type="button" { "From above" }
             }
             div #time hidden {
@@ -88,6 +85,21 @@ fn part() -> Markup {
             }
             figure #section aria-live="polite" {}
             div #region.scroll aria-live="polite" {}
+        }
+    }
+}
+
+fn views() -> Markup {
+    html! {
+        div #views {
+            div.stage {
+                canvas #view width="640" height="480" tabindex="0" role="img"
+                    aria-label="The workpiece. Arrow keys turn it, plus and minus zoom, Enter reads the middle." {}
+                div #divider role="slider" tabindex="0" aria-orientation="horizontal" aria-valuemin="0"
+                    aria-valuemax="100" aria-valuenow="50" hidden
+                    aria-label="Divider: left of it the surface before the first pass, right of it that after" {}
+            }
+            canvas #other width="640" height="480" role="img" hidden aria-label="The same view with another model" {}
         }
     }
 }
@@ -124,6 +136,7 @@ fn suspects() -> Markup {
             h2 #suspects-heading { "Suspects" }
             p #suspects-words { "No search was made yet." }
             div.scroll { table #suspects {} }
+            p #next-trial hidden {}
             div.controls {
                 button #search type="button" { "Search the library" }
                 form #add.controls {

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::document;
 use crate::home::Home;
+use crate::next_trial::has_plan;
 use crate::place::{Kind, Place};
 
 /// Builds the page of a folder.
@@ -16,6 +17,10 @@ pub(crate) fn home(home: &Home) -> Markup {
             @for (kind, heading) in Kind::ALL {
                 @let own: Vec<&Place> = places.iter().filter(|place| place.kind == kind).collect();
                 @if !own.is_empty() { (list(heading, &own)) }
+            }
+            section {
+                h2 { "Make a weld" }
+                p { a href="/weld" { "Weld a part" } ": dials, a picture that follows them, and the asset." }
             }
             (drop())
             @if is_cut { p { "The folder holds more folders than are looked through; start the workbench in one below." } }
@@ -68,10 +73,14 @@ fn list(heading: &str, places: &[&Place]) -> Markup {
 }
 
 fn link(place: &Place) -> Markup {
-    let address = if place.kind.has_bench() { format!("/bench/{}", place.id) } else { format!("/place/{}", place.id) };
-    let is_page = place.kind != Kind::DataSet && (place.kind.has_bench() || Home::shown_file(place).is_file());
+    let (kind, is_page) = match place.kind {
+        Kind::Campaign | Kind::Table => ("bench", true),
+        Kind::DataSet => ("set", true),
+        _ => ("place", Home::shown_file(place).is_file()),
+    };
     html! {
-        @if is_page { a href=(address) { (place.title()) } } @else { span { (place.title()) } }
+        @if is_page { a href={ "/" (kind) "/" (place.id) } { (place.title()) } } @else { span { (place.title()) } }
+        @if has_plan(&place.path) { " " a href={ "/place/" (place.id) "/next-trial.zip" } download { "its next trial" } }
         @if place.trials > 0 { " " span.fine { (place.trials) @if place.trials == 1 { " trial" } @else { " trials" } } }
     }
 }

@@ -2,9 +2,13 @@
 
 mod bench;
 mod home;
+mod sets;
+mod weld;
 
 pub(crate) use bench::bench;
 pub(crate) use home::home;
+pub(crate) use sets::set;
+pub(crate) use weld::weld;
 
 use maud::{DOCTYPE, Markup, html};
 
@@ -23,6 +27,12 @@ pub(crate) fn asset(name: &str) -> Option<(&'static str, String)> {
         "panels.js" => (SCRIPT, include_str!("../assets/panels.js").to_owned()),
         "motion.js" => (SCRIPT, include_str!("../assets/motion.js").to_owned()),
         "region.js" => (SCRIPT, include_str!("../assets/region.js").to_owned()),
+        "set.js" => (SCRIPT, include_str!("../assets/set.js").to_owned()),
+        "assets.js" => (SCRIPT, include_str!("../assets/assets.js").to_owned()),
+        "images.js" => (SCRIPT, include_str!("../assets/images.js").to_owned()),
+        "divider.js" => (SCRIPT, include_str!("../assets/divider.js").to_owned()),
+        "orbit.js" => (SCRIPT, include_str!("../assets/orbit.js").to_owned()),
+        "weld.js" => (SCRIPT, include_str!("../assets/weld.js").to_owned()),
         "dom.js" => (SCRIPT, include_str!("../assets/dom.js").to_owned()),
         _ => return None,
     })

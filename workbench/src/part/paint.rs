@@ -22,7 +22,7 @@ const SIMULATED: [u8; 3] = [0x4c, 0x94, 0xcb];
 const NEITHER: [u8; 3] = [0xee, 0xee, 0xea];
 
 /// Colours the visible part of a frame; `colour` maps a pixel's index to its colour.
-pub(super) fn painted(frame: &Frame, colour: impl Fn(usize) -> [u8; 3]) -> Picture {
+pub(crate) fn painted(frame: &Frame, colour: impl Fn(usize) -> [u8; 3]) -> Picture {
     let mut picture = frame.to_srgb8();
     let steel = luminance(BASE_STEEL.diffuse);
     for at in (0..frame.seen.len()).filter(|&at| frame.seen[at] == VisibleObject::Part) {

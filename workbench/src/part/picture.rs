@@ -11,14 +11,13 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use study::PassTiles;
 
-use super::camera::Turn;
+use super::camera::{Size, Turn};
 use super::paint;
+use super::studio::Studio;
 use super::surfaces::{ScannedTrial, Surfaces};
 use crate::bench::{Live, ScanMap};
 use crate::error::Refusal;
 
-/// Least and greatest accepted side of a picture [pixels].
-const SIDES: [usize; 2] = [16, 2000];
 /// Share of the deepest pixels that the scale of removed depth ignores, because spikes are not removal.
 const DEEPEST_SHARE: f64 = 0.002;
 
@@ -90,6 +89,8 @@ pub(crate) struct PictureData {
     pub(crate) surfaces: Arc<Surfaces>,
     /// Fields and maps of the model.
     pub(crate) live: Option<Arc<Live>>,
+    /// Device for photographs; `None` for the CPU.
+    pub(crate) studio: Option<Arc<Studio>>,
 }
 
 impl PictureRequest {
@@ -132,7 +133,7 @@ impl PictureData {
 }
 
 /// Returns a separate thread pool for drawing, so that pictures do not wait in the queue of a running fit.
-pub(super) fn threads() -> &'static ThreadPool {
+pub(crate) fn threads() -> &'static ThreadPool {
     static THREADS: OnceLock<ThreadPool> = OnceLock::new();
     THREADS.get_or_init(|| ThreadPoolBuilder::new().thread_name(|k| format!("draw-{k}")).build().expect("threads"))
 }
@@ -142,10 +143,7 @@ pub(super) fn threads() -> &'static ThreadPool {
 /// # Errors
 /// If there is no such surface, or the model is not simulated yet.
 pub(crate) fn drawn(looked: &PictureData, asked: &PictureRequest) -> Result<(Vec<u8>, Value), Refusal> {
-    let [least, most] = SIDES;
-    if !(least..=most).contains(&asked.width) || !(least..=most).contains(&asked.height) {
-        return Err(Refusal::wrong(format!("pictures of {least} to {most} pixels along each side are accepted")));
-    }
+    Size { width: asked.width, height: asked.height, fine: asked.fine }.check()?;
     let (picture, legend) = threads().install(|| picture(looked, asked))?;
     Ok((png(&picture), legend))
 }
@@ -180,7 +178,13 @@ fn picture(looked: &PictureData, asked: &PictureRequest) -> Result<(Picture, Val
             let frame = render(&field, &camera, &view);
             (paint::painted(&frame, paint::of_dose(&frame)), paint::legend_to("removed share of the coating", 1.0, ""))
         }
-        _ => (Scene::new(&field).photograph(&camera, &raster).to_srgb8(), json!({})),
+        _ => {
+            let frame = match &looked.studio {
+                Some(studio) => studio.photograph(field, camera, raster)?,
+                None => Scene::new(&field).photograph(&camera, &raster),
+            };
+            (frame.to_srgb8(), json!({}))
+        }
     })
 }
 
@@ -204,7 +208,7 @@ fn deepest(trial: &ScannedTrial) -> f64 {
 }
 
 /// Encodes a picture as PNG with fast compression, because it is viewed once.
-fn png(picture: &Picture) -> Vec<u8> {
+pub(crate) fn png(picture: &Picture) -> Vec<u8> {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub)
         .write_image(&picture.rgb, picture.width as u32, picture.height as u32, ExtendedColorType::Rgb8)

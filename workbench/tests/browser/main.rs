@@ -6,15 +6,18 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod part;
+mod sets;
+mod weld;
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use common::devtools::Browser;
 use common::{bundled, copy, serve};
 use effects::{Library, Model};
 use lab::{Calibration, CalibrationSummary, Order};
-use part::{part_is_turned_read_and_cut, two_models_are_compared};
+use part::{before_is_shown_beside_after, part_is_turned_read_and_cut, two_models_are_compared};
 use serde_json::{Value, json};
 use study::Measurements;
 
@@ -22,6 +25,9 @@ use study::Measurements;
 const PATIENCE: u64 = 600;
 /// Effect added in the test.
 const EFFECT: &str = "grit-dulling";
+
+/// Manifest of the next trial that the study proposes.
+const PLAN: &str = "# A plan. Grind twice as long.";
 
 /// Errors of a calibration by `robofin calibrate` with the fitted base model and one more effect.
 fn calibrated(measurements: &Measurements) -> (f64, f64) {
@@ -65,8 +71,11 @@ fn write_study(folder: &Path, campaign: &Path) {
     record.diagnosis = Some(json!({
         "sentence": "The rate falls with what was ground.", "none_probability": 0.02, "error_unit": "m",
         "suspects": [suspect("wheel-crown", 0.05, 11.0), suspect(EFFECT, 0.93, 240.0)],
+        "next_trial": { "summary": "Grind twice as long.", "force_n": [40.0] },
     }));
     fs::write(folder.join(study::STUDY_FILE), serde_json::to_string(&record).unwrap()).unwrap();
+    fs::create_dir_all(folder.join(study::NEXT_TRIAL)).unwrap();
+    fs::write(folder.join(study::NEXT_TRIAL).join("trial.toml"), PLAN).unwrap();
 }
 
 /// Writes a picture if `ROBOFIN_PICTURES` is set.
@@ -106,12 +115,13 @@ fn a_cause_is_tried_and_the_error_falls_to_what_calibrate_gives() {
     browser.until("document.getElementById('view')?.dataset.frames > 0", PATIENCE);
     settled(&mut browser, 1);
     part_is_turned_read_and_cut(&mut browser, &server, &campaigns);
+    before_is_shown_beside_after(&mut browser);
     effect_is_added(&mut browser, &campaign);
     two_models_are_compared(&mut browser);
     slider_is_dragged(&mut browser);
     formula_is_typed(&mut browser);
     report_is_the_calibration(&mut browser, &out);
-    picture_on_a_phone(&mut browser);
+    fits_a_phone(&mut browser, "workbench-phone.png");
     assert_eq!(browser.console, [""; 0], "the console");
     everything_is_there_after_the_server_was_ended(&mut browser, &campaigns, &out);
 }
@@ -158,6 +168,7 @@ fn effect_is_added(browser: &mut Browser, campaign: &Path) {
     browser.until("document.querySelectorAll('#suspects tbody tr').length === 2", 20);
     let first = browser.value("document.querySelector('#suspects tbody th').textContent");
     assert_eq!(first, EFFECT, "the likeliest is first");
+    next_trial_is_downloaded(browser);
     browser.click("#suspects tbody button");
     browser.until("!document.getElementById('progress').hidden", 20);
     settled(browser, 2);
@@ -177,6 +188,20 @@ fn effect_is_added(browser: &mut Browser, campaign: &Path) {
     browser.click("#redo");
     settled(browser, 2);
     assert_eq!(shown_error(browser), with);
+}
+
+/// Downloads the next trial that the study proposes.
+fn next_trial_is_downloaded(browser: &mut Browser) {
+    let words = browser.value("document.getElementById('next-trial').textContent");
+    assert!(words.as_str().unwrap().contains("Grind twice as long."), "{words}");
+    let bytes = browser.value(
+        "fetch(document.querySelector('#next-trial a').href).then(async (answer) => [...new Uint8Array(await answer.arrayBuffer())])",
+    );
+    let bytes: Vec<u8> = serde_json::from_value(bytes).unwrap();
+    let mut packed = zip::ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    let mut text = String::new();
+    packed.by_name("next-trial/trial.toml").unwrap().read_to_string(&mut text).unwrap();
+    assert_eq!(text, PLAN);
 }
 
 fn slider_is_dragged(browser: &mut Browser) {
@@ -219,14 +244,15 @@ fn report_is_the_calibration(browser: &mut Browser, out: &Path) {
     assert!(numbers["chi2"].is_number());
 }
 
-fn picture_on_a_phone(browser: &mut Browser) {
+/// Narrows the page to the width of a phone: nothing reaches beyond it.
+fn fits_a_phone(browser: &mut Browser, name: &str) {
     let size = json!({ "width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": false });
     browser.call("Emulation.setDeviceMetricsOverride", size);
-    let wide = browser.value("document.documentElement.scrollWidth").as_f64().unwrap();
-    picture(browser, "workbench-phone.png");
-    let beyond = "[...document.querySelectorAll('*')].filter((e) => e.getBoundingClientRect().right > 390 \
-                  && getComputedStyle(e.parentElement ?? e).overflowX === 'visible').map((e) => `${e.tagName} ${e.id}`)";
-    assert!(wide <= 390.0, "the page is {wide} px wide: {}", browser.value(beyond));
+    let beyond = browser.value("document.documentElement.scrollWidth - document.documentElement.clientWidth");
+    picture(browser, name);
+    let elements = "[...document.querySelectorAll('*')].filter((e) => getComputedStyle(e.parentElement ?? e).overflowX === 'visible' \
+                    && e.getBoundingClientRect().right > document.documentElement.clientWidth).map((e) => `${e.tagName} ${e.id}`)";
+    assert_eq!(beyond, 0, "pixels beyond the page: {}", browser.value(elements));
     browser.call("Emulation.clearDeviceMetricsOverride", json!({}));
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use effects::{Library, Model};
 use study::Measurements;
 
-use crate::common::devtools::Browser;
+use crate::common::devtools::{Browser, VIEW_BYTES};
 use crate::common::http::own;
 use crate::common::{Server, bundled};
 use crate::{bench, picture};
@@ -118,6 +118,56 @@ pub fn part_is_turned_read_and_cut(browser: &mut Browser, server: &Server, folde
         "",
     );
     assert_eq!(answer.status, 404, "{}", answer.body);
+}
+
+/// Number of values in the left and the right half of the picture that differ from those kept before.
+fn differing(browser: &mut Browser) -> [f64; 2] {
+    let count = format!(
+        "(() => {{ const halves = [0, 0];
+        {VIEW_BYTES}.forEach((value, k) => {{
+            if (Math.abs(value - globalThis.kept[k]) > 20) halves[+(k / 4 % 640 >= 320)] += 1;
+        }});
+        return halves; }})()"
+    );
+    let halves = browser.value(&count);
+    [0, 1].map(|half| halves[half].as_f64().unwrap())
+}
+
+/// Shows the surface before left of a divider, and moves it with keys and pointer.
+pub fn before_is_shown_beside_after(browser: &mut Browser) {
+    browser.value("document.getElementById('view').dataset.fine = ''; document.getElementById('reset').click()");
+    browser.until("document.getElementById('view').dataset.fine === 'true'", 60);
+    browser.value(&format!("globalThis.kept = {VIEW_BYTES}; null"));
+    browser.value("document.getElementById('view').dataset.fine = ''");
+    browser.click("#before");
+    // A picture that was under way has no divider.
+    let drawn =
+        "(({ fine, divided }) => fine === 'true' && divided === 'true')(document.getElementById('view').dataset)";
+    browser.until(drawn, 60);
+    let [left, right] = differing(browser);
+    assert!(left > 100.0 && right == 0.0, "{left} and {right} values differ");
+    browser.value("document.getElementById('view').scrollIntoView()");
+    picture(browser, "workbench-before.png");
+    let press = |key: &str| {
+        format!(
+            "document.getElementById('divider').dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))"
+        )
+    };
+    let now = |browser: &mut Browser| {
+        browser.value("+document.getElementById('divider').getAttribute('aria-valuenow')").as_f64().unwrap()
+    };
+    browser.value(&press("ArrowRight"));
+    assert_eq!(now(browser), 52.0);
+    browser.value(&press("Home"));
+    assert_eq!((now(browser), differing(browser)), (0.0, [0.0, 0.0]));
+    browser.value(&press("End"));
+    assert!(now(browser) == 100.0 && differing(browser)[1] > 100.0);
+    let [x, y] = browser.middle("#divider");
+    let width = browser.value("document.getElementById('view').getBoundingClientRect().width").as_f64().unwrap();
+    browser.pointer([x - 2.0, y], [x - 0.75 * width, y]);
+    assert_eq!(now(browser), 25.0);
+    browser.click("#before");
+    browser.until("document.getElementById('divider').hidden", 20);
 }
 
 /// Simulates the fitted model of the page again, and compares the position and value at a pixel with its field.

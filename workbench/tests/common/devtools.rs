@@ -15,6 +15,12 @@ use tungstenite::{Message, WebSocket};
 /// Names of the executable on different systems.
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
+/// Script that returns the bytes of the picture with id `view`, read from a copy: a canvas that is read often is slow.
+pub const VIEW_BYTES: &str =
+    "(() => { const copy = new OffscreenCanvas(640, 480).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(document.getElementById('view'), 0, 0);
+    return copy.getImageData(0, 0, 640, 480).data; })()";
+
 /// A browser with one page.
 pub struct Browser {
     child: Child,
@@ -97,6 +103,13 @@ impl Browser {
     pub fn open(&mut self, url: &str) {
         self.call("Page.navigate", json!({ "url": url }));
         self.until("document.readyState === 'complete'", 20);
+    }
+
+    /// Opens the address of a link.
+    pub fn follow(&mut self, selector: &str) {
+        let address = self.value(&format!("document.querySelector({})?.href", json!(selector)));
+        let address = address.as_str().unwrap_or_else(|| panic!("{selector} is no link on the page"));
+        self.open(address);
     }
 
     /// Evaluates an expression.

@@ -4,6 +4,7 @@
 
 pub mod devtools;
 pub mod http;
+pub mod sets;
 
 use std::fs;
 use std::net::SocketAddr;
@@ -23,7 +24,8 @@ pub struct Server {
 /// Starts a server on a folder.
 pub fn serve(folder: &Path, out: &Path) -> Server {
     let address = SocketAddr::from(([127, 0, 0, 1], 0));
-    let options = Options { folder: folder.to_owned(), out: out.to_owned(), address, token: TOKEN.to_owned() };
+    let options =
+        Options { folder: folder.to_owned(), out: out.to_owned(), address, token: TOKEN.to_owned(), device: None };
     let bench = Workbench::bind(options).expect("a free port");
     let server = Server { address: bench.address(), url: bench.url() };
     std::thread::spawn(move || bench.run());
