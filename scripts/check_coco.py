@@ -3,8 +3,8 @@
     python check_coco.py DIR
 
 Every annotation is decoded. The mask of a class must be that class in the index label, that of the workpiece its labelled
-pixels, and the masks of welds the weld instances of its view; area and box must be those that pycocotools finds. What an
-image does not show must have no annotation, and every image must lie where the file beside it says.
+pixels, and the masks of welds and of the tool their instances in its view; area and box must be those that pycocotools
+finds. What an image does not show must have no annotation, and every image must lie where the file beside it says.
 Prints one line of JSON: {"files", "images", "annotations", "faults"}.
 """
 
@@ -20,6 +20,8 @@ from pycocotools import mask
 from pycocotools.coco import COCO
 
 KINDS = ("appearance", "dose")
+# Number of the tool in instance labels.
+TOOL_INSTANCE = 255
 
 
 def main(folder):
@@ -51,8 +53,10 @@ def check(folder, path, answer):
 
 def expected(labels, instances):
     """The masks that an image must have, by category; categories are numbered as in the file."""
-    welds = [instances == weld for weld in range(2, int(instances.max()) + 1)]
+    last = int(instances[instances < TOOL_INSTANCE].max(initial=0))
+    welds = [instances == weld for weld in range(2, last + 1)]
     masks = [(1, labels == 1), (2, labels == 2), (3, labels != 0)] + [(4, weld) for weld in welds]
+    masks.append((5, instances == TOOL_INSTANCE))
     return [(category, shown) for category, shown in masks if shown.any()]
 
 

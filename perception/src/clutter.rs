@@ -1,14 +1,14 @@
 //! Things around a workpiece, on it and before the camera: blocks, cylinders, tubes, bolts, clamps, rods, meshes.
 //!
 //! They are united with the workpiece's field, so they cast shadows, hide it and are hidden by it. The metal that is
-//! theirs has labels from [`FIRST_OBSTACLE`] on.
+//! theirs has labels from [`FIRST_OBSTACLE`] on, that of the tool from [`FIRST_TOOL`] on.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
-use render::{FIRST_OBSTACLE, Field, Material, Placement, Ray};
+use render::{FIRST_OBSTACLE, FIRST_TOOL, Field, Material, Placement, Ray};
 use sdf_bake::{BrickGrid, Combine};
 use serde::{Deserialize, Serialize};
 
@@ -287,15 +287,16 @@ pub(crate) fn below(part: &BrickGrid, pose: &Placement, point: DVec3) -> Option<
     Some(pose.to_scene(Field::new(part).trace(&ray)?.point))
 }
 
-/// The part with the things of a scene around it; the part itself if there are none.
+/// The part with the things of a scene around it, and its tool; the part itself if there are none.
 pub(crate) fn cluttered<'a>(part: &'a BrickGrid, scene: &Scene, meshes: &ClutterMeshes) -> Cow<'a, BrickGrid> {
     let pose = scene.placement.pose();
     let united = |a: &BrickGrid, b: &BrickGrid| a.combined_with(b, Combine::Union).expect("one lattice");
-    let labelled = |(at, thing): (usize, &ObstacleDraw)| {
+    let labelled = |(label, thing): (u16, &ObstacleDraw)| {
         let field = thing.field(&pose, part, meshes);
-        BrickGrid { label: vec![FIRST_OBSTACLE + at as u16; field.phi.len()], ..field }
+        BrickGrid { label: vec![label; field.phi.len()], ..field }
     };
-    let things = scene.obstacles.iter().enumerate().map(labelled).reduce(|all, thing| united(&all, &thing));
+    let bodies = (FIRST_OBSTACLE..).zip(&scene.obstacles).chain((FIRST_TOOL..).zip(scene.tool_bodies()));
+    let things = bodies.map(labelled).reduce(|all, thing| united(&all, &thing));
     let Some(things) = things else { return Cow::Borrowed(part) };
     let mut all = united(part, &things);
     // A thing has no dose; where it touches the workpiece, its voxels must not thin the workpiece's.

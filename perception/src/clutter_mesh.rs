@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
+use sdf_bake::nvdb::{self, BricksError, Codec, NvdbError, WriteError};
 use sdf_bake::{BakeError, BakeOptions, BrickGrid, Mesh, bake};
+use thiserror::Error;
 
 use crate::clutter::{ObstacleDraw, ObstacleShape, Places, below};
 use crate::scene::{NoSurface, Scene, Seeds};
@@ -22,6 +24,17 @@ const ON_TOP: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct ClutterMesh(BrickGrid);
 
+/// A file holds no baked mesh.
+#[derive(Debug, Error)]
+pub enum NoClutterMesh {
+    /// It is no NanoVDB file.
+    #[error(transparent)]
+    File(#[from] NvdbError),
+    /// It holds no distance field.
+    #[error(transparent)]
+    Field(#[from] BricksError),
+}
+
 /// Meshes by their place in the list of a set.
 pub type ClutterMeshes = BTreeMap<usize, ClutterMesh>;
 
@@ -37,6 +50,22 @@ impl ClutterMesh {
         let unit = Mesh { positions, ..mesh.clone() };
         let options = BakeOptions { band_voxels: BAND, ..BakeOptions::with_voxel(VOXEL) };
         Ok(Self(bake(&unit, &options)?.0))
+    }
+
+    /// Returns it as a NanoVDB file.
+    ///
+    /// # Errors
+    /// [`WriteError`] if it is too large for the format.
+    pub fn to_nvdb(&self) -> Result<Vec<u8>, WriteError> {
+        nvdb::write_field(&self.0, Codec::None)
+    }
+
+    /// Reads what [`Self::to_nvdb`] returned.
+    ///
+    /// # Errors
+    /// [`NoClutterMesh`] for other bytes.
+    pub fn from_nvdb(bytes: &[u8]) -> Result<Self, NoClutterMesh> {
+        Ok(Self(nvdb::read(bytes)?.to_field()?))
     }
 
     /// Signed distance at a point [radii], truncated.
@@ -127,6 +156,10 @@ mod tests {
         assert!((standing_height(&pyramid()) - half).abs() < 1e-12);
         assert!(mesh.distance(DVec3::new(0.0, 0.0, -half)).abs() < 0.01);
         assert!(mesh.distance(DVec3::ZERO) < 0.0 && mesh.distance(DVec3::new(half, half, half)) > 0.0);
+        let kept = ClutterMesh::from_nvdb(&mesh.to_nvdb().unwrap()).unwrap();
+        let points = (0..500).map(|i| DVec3::new(0.011, -0.007, 0.003) * f64::from(i - 250));
+        assert!(points.into_iter().all(|point| kept.distance(point) == mesh.distance(point)));
+        assert!(ClutterMesh::from_nvdb(b"no").is_err());
         let mut open = pyramid();
         open.triangles.truncate(1);
         assert!(ClutterMesh::of(&open).is_err());

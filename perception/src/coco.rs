@@ -4,19 +4,22 @@ use export::rle::{Extent, Rle};
 use render::label::{BACKGROUND, SANDED, UNSANDED};
 use serde::Serialize;
 
-use crate::view::WORKPIECE_INSTANCE;
+use crate::view::{TOOL_INSTANCE, WORKPIECE_INSTANCE};
 
 /// Number of the class of the whole workpiece.
 const WORKPIECE: u8 = 3;
 /// Number of the class of welds.
 const WELD: u8 = 4;
+/// Number of the class of the tool.
+const TOOL: u8 = 5;
 
 /// Numbers, names and broader classes of the classes.
-const CATEGORIES: [(u8, &str, &str); 4] = [
+const CATEGORIES: [(u8, &str, &str); 5] = [
     (SANDED, "sanded", "coating"),
     (UNSANDED, "unsanded", "coating"),
     (WORKPIECE, "workpiece", "object"),
     (WELD, "weld", "object"),
+    (TOOL, "tool", "object"),
 ];
 
 /// An image of a file of annotations.
@@ -99,12 +102,13 @@ impl CocoImage {
 
     /// Makes the annotations from the index labels and the instance labels of its pixels. What has no pixel has none.
     pub fn annotations(&self, labels: &[u8], instances: &[u8]) -> Vec<Annotation> {
-        let last_weld = instances.iter().copied().max().unwrap_or(0);
+        let last_weld = instances.iter().copied().filter(|&instance| instance != TOOL_INSTANCE).max().unwrap_or(0);
         let coating = [SANDED, UNSANDED].map(|class| self.annotation(class, |pixel| labels[pixel] == class));
         let workpiece = self.annotation(WORKPIECE, |pixel| labels[pixel] != BACKGROUND);
         let welds =
             (WORKPIECE_INSTANCE + 1..=last_weld).map(|weld| self.annotation(WELD, |pixel| instances[pixel] == weld));
-        coating.into_iter().chain([workpiece]).chain(welds).flatten().collect()
+        let tool = self.annotation(TOOL, |pixel| instances[pixel] == TOOL_INSTANCE);
+        coating.into_iter().chain([workpiece]).chain(welds).chain([tool]).flatten().collect()
     }
 
     fn annotation(&self, category_id: u8, mask: impl Fn(usize) -> bool) -> Option<Annotation> {
@@ -150,11 +154,11 @@ mod tests {
     fn classes_and_welds_have_their_pixels_and_nothing_is_empty() {
         let image = CocoImage::new(7, "images/a.png".to_owned(), (4, 2));
         let labels = [0, 2, 2, 255, 0, 2, 2, 0];
-        let instances = [0, 1, 3, 1, 0, 1, 3, 0];
+        let instances = [0, 1, 3, 1, 255, 1, 3, 255];
         let found = image.annotations(&labels, &instances);
         let areas: Vec<(u8, u64)> = found.iter().map(|a| (a.category_id, a.area)).collect();
         // No sanded pixel and no pixel of the first weld: no annotation of either.
-        assert_eq!(areas, [(UNSANDED, 4), (WORKPIECE, 5), (WELD, 2)]);
+        assert_eq!(areas, [(UNSANDED, 4), (WORKPIECE, 5), (WELD, 2), (TOOL, 2)]);
         assert_eq!(found[2].bbox, [2, 0, 1, 2]);
         let heading = Heading { description: "d", version: "v", licence: ("MIT", "https://spdx.org") };
         let text = String::from_utf8(write(&heading, &[image], &found).unwrap()).unwrap();

@@ -39,11 +39,15 @@ pub enum Look {
     Rust,
     /// Droplets of weld metal beside the welds.
     Spatter,
+    /// A table of boards, brushed steel or cloth.
+    Table,
+    /// The tool over or on the workpiece.
+    Tool,
 }
 
 impl Look {
     /// All looks.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Texture,
         Self::Swirl,
         Self::Primer,
@@ -56,6 +60,8 @@ impl Look {
         Self::HeatTint,
         Self::Rust,
         Self::Spatter,
+        Self::Table,
+        Self::Tool,
     ];
 
     /// Returns the name in flags and files.
@@ -73,6 +79,8 @@ impl Look {
             Self::HeatTint => "heat-tint",
             Self::Rust => "rust",
             Self::Spatter => "spatter",
+            Self::Table => "table",
+            Self::Tool => "tool",
         }
     }
 
@@ -91,6 +99,8 @@ impl Look {
             Self::HeatTint => "interference colours around welds",
             Self::Rust => "rust and mill scale on bare metal",
             Self::Spatter => "droplets beside the welds",
+            Self::Table => "boards, brushed steel, cloth",
+            Self::Tool => "a pad or wheel over or on the workpiece",
         }
     }
 
@@ -137,7 +147,7 @@ mod tests {
         assert_eq!(chosen(&["none"]), Ok(Vec::new()));
         assert_eq!(chosen(&["rust", "swirl", "rust"]), Ok(vec![Look::Swirl, Look::Rust]));
         let message = chosen(&["swirl", "none"]).unwrap_err().to_string();
-        assert!(message.starts_with("none: texture, swirl") && message.ends_with("spatter, or none alone is accepted"));
+        assert!(message.starts_with("none: texture, swirl") && message.ends_with("tool, or none alone is accepted"));
         for looks in [&Look::ALL[..], &[Look::Dust], &[]] {
             let words: Vec<String> = Look::listed(looks).split(',').map(str::to_owned).collect();
             assert_eq!(Look::chosen(&words), Ok(looks.to_vec()));

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::look::Look;
 use crate::oxide_draws::{HeatTintDraw, RustDraw};
+use crate::table_draw::TableDraw;
 
 /// The looks of one image; those that were left out are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,6 +37,9 @@ pub struct LookDraws {
     /// Rust and mill scale on bare metal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rust: Option<RustDraw>,
+    /// Pattern of the table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table_pattern: Option<TableDraw>,
 }
 
 /// Dust in spots.
@@ -109,7 +113,7 @@ pub struct OpticsDraw {
 const DRAWN_HEIGHT: f64 = 480.0;
 
 impl LookDraws {
-    /// Draws the given looks of an image; clutter and spatter belong to the placement.
+    /// Draws the given looks of an image; clutter, spatter and tool belong to the placement.
     pub(crate) fn draw(looks: &[Look], seed: u64) -> Self {
         let mut draws = Self::default();
         for &look in looks {
@@ -130,7 +134,8 @@ impl LookDraws {
                 Look::Dust => draws.dust = stream.happens(0.5).then(|| DustDraw::draw(stream)),
                 Look::HeatTint => draws.heat_tint = stream.happens(0.6).then(|| HeatTintDraw::draw(stream)),
                 Look::Rust => draws.rust = stream.happens(0.5).then(|| RustDraw::draw(stream)),
-                Look::Clutter | Look::Spatter => {}
+                Look::Table => draws.table_pattern = stream.happens(0.75).then(|| TableDraw::draw(stream)),
+                Look::Clutter | Look::Spatter | Look::Tool => {}
             }
         }
         draws
@@ -288,6 +293,7 @@ mod tests {
             assert_eq!(draws.dust, all.dust.filter(|_| keep(Look::Dust)));
             assert_eq!(draws.heat_tint, all.heat_tint.filter(|_| keep(Look::HeatTint)));
             assert_eq!(draws.rust, all.rust.filter(|_| keep(Look::Rust)));
+            assert_eq!(draws.table_pattern, all.table_pattern.filter(|_| keep(Look::Table)));
         }
         assert_eq!(LookDraws::draw(&[], 7), LookDraws::default());
     }

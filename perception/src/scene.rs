@@ -13,6 +13,7 @@ use crate::look::Look;
 use crate::looks::LookDraws;
 use crate::shutter::ShutterDraw;
 use crate::spatter::DropletDraw;
+use crate::tool::ToolDraw;
 
 /// The field is entirely inside or entirely outside.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -40,6 +41,9 @@ pub struct Scene {
     /// Droplets of weld metal on the workpiece, the same for all images of a placement.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spatter: Vec<DropletDraw>,
+    /// Tool over or on the workpiece, the same for all images of a placement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<ToolDraw>,
     /// Lamps, the brightest first.
     pub lamps: Vec<LampDraw>,
     /// Ambient light from sky, horizon and floor, relative to a bright workshop. Bare metal mirrors it, so metal is
@@ -152,11 +156,15 @@ impl Scene {
             .map(|mut stream| ObstacleDraw::draw(part, (&placement, &camera), &mut stream))
             .transpose()?;
         let spatter = of_placement(Look::Spatter).map(|mut stream| DropletDraw::draw(part, &mut stream));
+        let tool = of_placement(Look::Tool)
+            .map(|mut stream| ToolDraw::draw(part, (&placement, &camera), &mut stream))
+            .transpose()?;
         Ok(Self {
             placement,
             camera,
             obstacles: obstacles.unwrap_or_default(),
             spatter: spatter.unwrap_or_default(),
+            tool: tool.flatten(),
             lamps: lamps(&mut light),
             environment: DVec3::from_array(std::array::from_fn(|_| light.ratio_between([0.06, 1.3]))),
             surroundings: None,

@@ -16,6 +16,7 @@ use crate::looks::{DustDraw, LookDraws, PanelDraw, TextureDraw};
 use crate::oxide_draws::oxides;
 use crate::scene::{MaterialDraw, Scene};
 use crate::spatter::spattered;
+use crate::table_draw::TableDraw;
 
 /// Exponent for perceptually even steps of light, an approximation of sRGB.
 const GAMMA: f32 = 2.2;
@@ -121,6 +122,7 @@ fn stage<'a>(part: &'a BrickGrid, scene: &Scene, map: Option<&'a EnvironmentMap>
         placement: scene.placement.pose(),
         appearance: appearance(&scene.material, &scene.looks),
         obstacles: scene.obstacles.iter().map(ObstacleDraw::material).collect(),
+        tool: scene.tool_bodies().iter().map(ObstacleDraw::material).collect(),
         dust: scene.looks.dust.as_ref().map(DustDraw::deposit),
         table: Some(table(scene)),
         lights: Lights { keys: keys.collect(), environment, panels: panels.collect() },
@@ -140,7 +142,8 @@ fn table(scene: &Scene) -> Table {
         metallic: 0.0,
     };
     let texture = scene.looks.table.map(TextureDraw::texture);
-    Table { height: scene.placement.table_m, material, texture }
+    let pattern = scene.looks.table_pattern.map(TableDraw::pattern);
+    Table { height: scene.placement.table_m, material, texture, pattern }
 }
 
 fn appearance(material: &MaterialDraw, looks: &LookDraws) -> Appearance {
@@ -244,15 +247,16 @@ mod tests {
         };
         // Some looks are drawn in a share of the images only.
         let has_all = |seed: &u64| {
-            let Scene { obstacles, spatter, looks, camera, .. } = draw(*seed, &Look::ALL);
+            let Scene { obstacles, spatter, looks, camera, tool, .. } = draw(*seed, &Look::ALL);
+            let bodies = tool.is_some() && looks.table_pattern.is_some() && obstacles.len() > 2 && spatter.len() > 5;
             let oxides = looks.heat_tint.is_some() && looks.rust.is_some();
             let layers = looks.primer.is_some() && looks.clear_coat.is_some() && looks.dust.is_some();
-            obstacles.len() > 2 && spatter.len() > 5 && layers && oxides && camera.rolling_shutter.is_some()
+            bodies && layers && oxides && camera.rolling_shutter.is_some()
         };
         let seed = (0..).find(has_all).unwrap();
         let taken = |looks: &[Look]| shoot(&part, &draw(seed, looks), (96, 72), &SceneFiles::default()).unwrap();
         let plain = taken(&[]);
-        let reshapes = |look: Look| matches!(look, Look::Clutter | Look::Spatter | Look::Optics);
+        let reshapes = |look: Look| matches!(look, Look::Clutter | Look::Spatter | Look::Optics | Look::Tool);
         for look in Look::ALL {
             let shot = taken(&[look]);
             assert_ne!(shot.image, plain.image, "{}", look.name());

@@ -16,6 +16,8 @@ use crate::spatter::spattered;
 pub const BACKGROUND_INSTANCE: u8 = 0;
 /// Number of the workpiece's base metal in instance labels; weld i has this plus i.
 pub const WORKPIECE_INSTANCE: u8 = 1;
+/// Number of the tool in instance labels.
+pub const TOOL_INSTANCE: u8 = 255;
 /// Steps by which the row of a point under a rolling shutter is found; each reduces its error to a few hundredths.
 const PROJECTIONS: usize = 6;
 /// Depth of one step of the depth image [m].
@@ -49,6 +51,9 @@ pub struct View {
     pub visible_share: f64,
     /// Visible welds, by id.
     pub welds: Vec<VisibleWeld>,
+    /// The tool, if it is visible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<VisibleTool>,
     /// Depth of one step of the depth image [m]; 0 in it is background.
     pub depth_step_m: f64,
     /// Motion of the camera while the rows are exposed; camera and pose are those of the middle row.
@@ -67,9 +72,18 @@ pub struct VisibleWeld {
     pub bounds: [usize; 4],
 }
 
+/// The tool in a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VisibleTool {
+    /// Number of its pixels.
+    pub pixels: u64,
+    /// Left, top, width, height [pixels].
+    pub bounds: [usize; 4],
+}
+
 /// Buffers of a view.
 pub struct ViewFrame {
-    /// Colour, depth, normals, welds of the workpiece and of the obstacles around it.
+    /// Colour, depth, normals, welds of the workpiece, of the things around it and of the tool.
     pub buffers: Frame,
     /// 1 where the workpiece is, as if nothing hid it, else 0.
     pub amodal: Vec<u8>,
@@ -84,7 +98,8 @@ impl ViewFrame {
         };
         let shown = |frame: &Frame| frame.seen.iter().map(|seen| u8::from(*seen == VisibleObject::Part)).collect();
         let buffers = photograph(&cluttered(part, scene, &files.meshes));
-        let amodal = if scene.obstacles.is_empty() { shown(&buffers) } else { shown(&photograph(part)) };
+        let alone = scene.obstacles.is_empty() && scene.tool.is_none();
+        let amodal = if alone { shown(&buffers) } else { shown(&photograph(part)) };
         Self { buffers, amodal }
     }
 }
@@ -106,6 +121,7 @@ impl View {
         let frame = ViewFrame::of(part, scene, size, files);
         let (width, height) = size;
         let visible = Extent::of(width, height, |pixel| frame.buffers.seen[pixel] == VisibleObject::Part);
+        let tool = Extent::of(width, height, |pixel| frame.buffers.seen[pixel] == VisibleObject::Tool);
         let whole = Extent::of(width, height, |pixel| frame.amodal[pixel] == 1);
         let [right, up, forward] = scene.camera.axes;
         let axes = [right, -up, forward];
@@ -120,6 +136,7 @@ impl View {
             amodal_bounds: whole.bounds,
             visible_share: visible.area as f64 / whole.area.max(1) as f64,
             welds: welds(&frame.buffers),
+            tool: (tool.area > 0).then_some(VisibleTool { pixels: tool.area, bounds: tool.bounds }),
             depth_step_m: DEPTH_STEP,
             rolling_shutter: scene.camera.rolling_shutter,
         };
@@ -172,10 +189,14 @@ fn welds(frame: &Frame) -> Vec<VisibleWeld> {
     ids.into_iter().map(of).collect()
 }
 
-/// Instance label of each pixel: background, base metal, or a weld. Ids beyond the range of a byte share the last.
+/// Instance label of each pixel: background, base metal, a weld, or the tool. Weld ids beyond the range share the last.
 pub fn instances(frame: &Frame) -> Vec<u8> {
     let instance = |pixel: usize| match frame.seen[pixel] {
-        VisibleObject::Part => u8::try_from(frame.weld[pixel]).unwrap_or(u8::MAX).saturating_add(WORKPIECE_INSTANCE),
+        VisibleObject::Part => {
+            let last = TOOL_INSTANCE - 1 - WORKPIECE_INSTANCE;
+            WORKPIECE_INSTANCE + u8::try_from(frame.weld[pixel]).unwrap_or(last).min(last)
+        }
+        VisibleObject::Tool => TOOL_INSTANCE,
         _ => BACKGROUND_INSTANCE,
     };
     (0..frame.seen.len()).map(instance).collect()

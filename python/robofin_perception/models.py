@@ -87,7 +87,7 @@ def pixels(image: Bytes, frame: Box, size: tuple[int, int]) -> Tensor:
 class UNet(Segmenter):
     """A small U-Net (Ronneberger et al. 2015) on the box and a margin of an eighth around it.
 
-    Its fourth channel is the box. It starts from random weights.
+    Its fourth channel is the box. It starts from random weights. On a GPU it computes in 16 bits (bfloat16).
     """
 
     kind = "unet"
@@ -123,8 +123,12 @@ class UNet(Segmenter):
         return {"image": torch.cat([pixels(example.image, frame, self.grid), channel[None]])}
 
     def forward(self, batch: Tensors) -> tuple[Tensor, Tensor]:
-        masks, presence = self.net(batch["image"].float() / 127.5 - 1.0)
-        return masks[:, 0], presence[:, 0]
+        image = batch["image"].float() / 127.5 - 1.0
+        if image.is_cuda:  # the order of values with which its 16-bit convolutions are fastest
+            image = image.contiguous(memory_format=torch.channels_last)
+        with torch.autocast(image.device.type, torch.bfloat16, enabled=image.is_cuda):
+            masks, presence = self.net(image)
+        return masks[:, 0].float(), presence[:, 0].float()
 
     def augment(self, batch: Tensors, target: Tensor) -> tuple[Tensors, Tensor]:
         """Mirrored along either axis or none."""

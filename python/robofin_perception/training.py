@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -73,11 +74,15 @@ def create(model: str, seed: int, size: tuple[int, int] | None = None) -> Segmen
 
 
 class Store:
-    """Encoded images with their targets: each is opened and encoded once, then kept in memory or in a folder."""
+    """Encoded images with their targets: each is opened and encoded once, then kept in memory or in a folder.
+
+    Without a frozen part an encoded image is small, and is kept in the device's memory.
+    """
 
     def __init__(self, segmenter: Segmenter, wanted: int, cache: Path | None) -> None:
         self.segmenter, self.wanted, self.cache = segmenter, wanted, cache
         self.encoder = sha256_of(segmenter.frozen())
+        self.place = torch.device("cpu") if self.encoder else next(segmenter.parameters()).device
         self.kept: dict[Record, Tensors] = {}
 
     def __getitem__(self, record: Record) -> Tensors:
@@ -89,7 +94,8 @@ class Store:
         if self.cache:
             name = f"{sha256(record.image, record.label)}-{self.encoder}.safetensors"
             return encoded | self._file(self.cache / name, record)
-        self.kept[record] = encoded | self.segmenter.encode(example)
+        encoded |= self.segmenter.encode(example)
+        self.kept[record] = {name: part.to(self.place) for name, part in encoded.items()}
         return self.kept[record]
 
     def _file(self, path: Path, record: Record) -> Tensors:
@@ -133,33 +139,59 @@ def loss_parts(answer: tuple[Tensor, Tensor], target: Tensor, present: Tensor) -
     }
 
 
+class Curve:
+    """Losses of all updates. They stay on the device until a report, since reading each would stop it each time."""
+
+    def __init__(self, options: Options) -> None:
+        self.options, self.every = options, max(options.updates // 8, 1)
+        self.fresh: list[Tensor] = []
+        self.rows: list[list[float]] = []
+
+    def add(self, parts: Tensor) -> None:
+        """Adds the losses of an update, and reports each eighth."""
+        self.fresh.append(parts.detach())
+        if len(self.fresh) == self.every:
+            self.report()
+
+    def report(self) -> None:
+        """Prints the last loss. Raises `PerceptionError` if one since the last report is not finite."""
+        fresh = torch.stack(self.fresh).tolist() if self.fresh else []
+        self.fresh = []
+        for row in fresh:
+            if not all(map(math.isfinite, row)):
+                raise PerceptionError(f"the loss is not finite at update {len(self.rows)}; "
+                                      f"try a smaller --lr than {self.options.lr:g}")
+            self.rows.append(row)
+        if fresh:
+            print(f"update {len(self.rows)} of {self.options.updates}: loss {sum(fresh[-1]):.3f}", file=sys.stderr)
+
+
 def optimise(segmenter: Segmenter, options: Options) -> list[dict[str, float]]:
     """Trains a network in place, and returns the losses of each update."""
     device = next(segmenter.parameters()).device
     store = Store(segmenter, TARGETS[options.target], options.cache)
     assert options.lr is not None
-    optimiser = torch.optim.AdamW([each for each in segmenter.parameters() if each.requires_grad], options.lr)
+    trained = [each for each in segmenter.parameters() if each.requires_grad]
+    optimiser = torch.optim.AdamW(trained, options.lr, fused=device.type == "cuda")
     rate = torch.optim.lr_scheduler.LambdaLR(
         optimiser, lambda step: min(1.0, (1 - step / max(options.updates, 1)) / COOLING))
-    curve = []
+    curve, names = Curve(options), []
     segmenter.train()
-    for update, records in zip(range(options.updates), draws(options), strict=False):
+    for _, records in zip(range(options.updates), draws(options), strict=False):
         items = [store[record] for record in records]
         batch = {name: torch.stack([item[name] for item in items]).to(device) for name in items[0]}
         target, present = batch.pop("target"), batch.pop("present")
         batch, target = segmenter.augment(batch, target)
         parts = loss_parts(segmenter(batch), target, present)
-        total = torch.stack(list(parts.values())).sum()
-        if not torch.isfinite(total):
-            raise PerceptionError(f"the loss is not finite at update {update}; try a smaller --lr than {options.lr:g}")
+        losses, names = torch.stack(list(parts.values())), list(parts)
         optimiser.zero_grad()
-        torch.autograd.backward([total])
+        torch.autograd.backward([losses.sum()])
         optimiser.step()
         rate.step()
-        curve.append({name: round(part.item(), 6) for name, part in parts.items()} | {"total": round(total.item(), 6)})
-        if (update + 1) % max(options.updates // 8, 1) == 0:
-            print(f"update {update + 1} of {options.updates}: loss {total.item():.3f}", file=sys.stderr)
-    return curve
+        curve.add(losses)
+    curve.report()
+    return [{name: round(part, 6) for name, part in zip([*names, "total"], [*row, sum(row)], strict=True)}
+            for row in curve.rows]
 
 
 def train(options: Options, out: Path) -> dict[str, Any]:

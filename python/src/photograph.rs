@@ -35,7 +35,7 @@ pub fn photograph<'py>(
     if let Some(weld) = workpiece.welds.first() {
         scene.appearance.marks = Marks::along_path(&weld.curve.position);
     }
-    scene.table = table.then_some(Table { height: low.z, material: ROLLED_STEEL, texture: None });
+    scene.table = table.then_some(Table { height: low.z, material: ROLLED_STEEL, texture: None, pattern: None });
     let camera = Camera::framing(low, high, azimuth, elevation, width as f64 / height as f64);
     let frame = py.detach(|| {
         let mut frame = scene.photograph(&camera, &raster);

@@ -12,7 +12,7 @@ import pytest
 import robofin
 from robofin_perception.independent import __main__ as command
 from robofin_perception.independent.labels import IGNORE, SANDED, UNSANDED, agreement, code, labels, seen_share
-from robofin_perception.independent.plan import plan
+from robofin_perception.independent.plan import STATES, Shares, plan
 from robofin_perception.independent.source import SourceSet
 
 WITHOUT_BPY = "NOT TESTED: bpy is not installed (pip install bpy==4.5.*, Python 3.11)"
@@ -59,9 +59,9 @@ def test_agreement_counts_pixels_with_a_class_in_both_labels() -> None:
 
 def test_pictures_share_cameras_and_splits_have_their_shares(source_folder: Path) -> None:
     source = SourceSet(source_folder)
-    pictures = plan(source, 120, 1)
-    assert len({picture.id for picture in pictures}) == 120 and plan(source, 120, 1) == pictures
-    assert plan(source, 120, 2) != pictures
+    pictures = plan(source, 120, 1, Shares())
+    assert len({picture.id for picture in pictures}) == 120 and plan(source, 120, 1, Shares()) == pictures
+    assert plan(source, 120, 2, Shares()) != pictures
     splits = {(picture.workpiece, picture.placement): picture.split for picture in pictures}
     counts = [list(splits.values()).count(split) for split in ("train", "validation", "test")]
     assert counts == [8, 2, 10] and len(splits) == 20
@@ -69,6 +69,16 @@ def test_pictures_share_cameras_and_splits_have_their_shares(source_folder: Path
     assert kinds.count("unsanded") == kinds.count("bare") == 10
     stages = [picture.treatment.name for picture in pictures if picture.treatment.kind == "stage"]
     assert all(15 <= stages.count(f"{pattern}-s{stage}") <= 19 for pattern in source.patterns for stage in (1, 2, 3))
+
+
+@pytest.mark.parametrize("states", range(1, STATES + 1))
+def test_a_set_of_one_split_has_as_many_placements_as_its_states_allow(source_folder: Path, states: int) -> None:
+    pictures = plan(SourceSet(source_folder), 60, 1, Shares(states, "test"))
+    assert {picture.split for picture in pictures} == {"test"} and len({picture.id for picture in pictures}) == 60
+    of = [[picture for picture in pictures if picture.placement == place] for place in range(-(-60 // states))]
+    assert [len(each) for each in of] == [states] * (60 // states) + [60 % states] * (60 % states > 0)
+    kinds = [picture.treatment.kind for picture in pictures]
+    assert 4 <= kinds.count("unsanded") <= 6 and 4 <= kinds.count("bare") <= 6
 
 
 def test_a_folder_that_is_no_set_is_refused(tmp_path: Path) -> None:
@@ -81,7 +91,7 @@ def test_a_folder_that_is_no_set_is_refused(tmp_path: Path) -> None:
 
 def test_the_dose_of_a_stage_grows_along_the_path(source_folder: Path) -> None:
     source = SourceSet(source_folder)
-    stages = [picture.treatment for picture in plan(source, 60, 1) if picture.treatment.pattern == "spiral"]
+    stages = [picture.treatment for picture in plan(source, 60, 1, Shares()) if picture.treatment.pattern == "spiral"]
     doses = {stage.stage: source.dose("panel", stage) for stage in stages}
     assert np.all(doses[1] <= doses[2]) and np.all(doses[2] <= doses[3])
     assert 0 < (doses[1] >= 1).sum() < (doses[3] >= 1).sum() < len(doses[3])
@@ -98,6 +108,10 @@ def test_the_command_says_what_is_missing_or_accepted(
     with pytest.raises(SystemExit, match="2"):
         command.main()
     assert "--size: 3x3: WIDTHxHEIGHT with 16 to 4096 pixels a side is accepted" in capsys.readouterr().err
+    monkeypatch.setattr("sys.argv", [*words, "--states", "7"])
+    with pytest.raises(SystemExit, match="2"):
+        command.main()
+    assert "--states: 7: a whole number from 1 to 6 is accepted" in capsys.readouterr().err
 
 
 @needs_bpy
@@ -147,14 +161,15 @@ def test_an_interrupted_set_goes_on_and_has_the_layout(source_folder: Path, tmp_
     from robofin_perception.independent.produce import Settings, produce
 
     out = tmp_path / "set"
-    settings = Settings(source_folder, out, 3, SIZE, 2, 5, 1, False)
+    settings = Settings(source_folder, out, 3, SIZE, 2, 5, STATES, None, 1, False)
     first, _ = next(produce(settings))
     with pytest.raises(robofin.WrongUse, match="--resume"):
         next(produce(settings))
     with pytest.raises(robofin.WrongUse, match="started with samples 2, not 4"):
         next(produce(replace(settings, samples=4, resume=True)))
     rest = [planned for planned, _ in produce(replace(settings, resume=True))]
-    assert [first, *rest] == plan(SourceSet(source_folder), 3, 5) and not list(produce(replace(settings, resume=True)))
+    assert [first, *rest] == plan(SourceSet(source_folder), 3, 5, Shares())
+    assert not list(produce(replace(settings, resume=True)))
 
     folder = out / first.split
     records = [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
@@ -172,4 +187,4 @@ def test_an_interrupted_set_goes_on_and_has_the_layout(source_folder: Path, tmp_
             assert (state == "bare") == (not (label_of == UNSANDED).any()), kind
     assert not list(out.rglob("*.part"))
     recipe = json.loads((out / "dataset.json").read_text())
-    assert recipe["format"] == "robofin-independent/1" and recipe["size"] == [64, 48] and recipe["count"] == 3
+    assert recipe["format"] == "robofin-independent/2" and recipe["size"] == [64, 48] and recipe["count"] == 3

@@ -140,3 +140,12 @@ def test_a_change_of_the_encoder_is_a_failure_and_leaves_no_run(
     words = ["train", "--data", str(small), "--model", "sam2-random", "--out", str(tmp_path / "run")]
     assert main(words) == 1 and "encoder" in capsys.readouterr().err
     assert sorted(each.name for each in tmp_path.iterdir()) == ["set"]
+
+
+def test_a_loss_that_is_not_finite_stops_the_training_and_names_the_update(
+        small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["train", "--data", str(small), "--size", "32x32", "--updates", "9", "--lr", "1e30"]
+    assert main([*words, "--out", str(tmp_path / "run")]) == 1
+    error = capsys.readouterr().err
+    assert "the loss is not finite at update 1; try a smaller --lr than 1e+30" in error, error
+    assert not (tmp_path / "run").exists()

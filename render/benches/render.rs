@@ -28,7 +28,7 @@ fn main() {
         scene.appearance.marks = Marks::parallel(DVec3::Y);
         photographed(name, "whole part", &scene, &camera);
         photographed(name, "close up", &scene, &close);
-        scene.table = Some(Table { height: low.z, material: ROLLED_STEEL, texture: None });
+        scene.table = Some(Table { height: low.z, material: ROLLED_STEEL, texture: None, pattern: None });
         photographed(name, "whole part on a table", &scene, &camera);
     }
 }

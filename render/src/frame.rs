@@ -17,6 +17,8 @@ pub enum VisibleObject {
     Table = 2,
     /// A thing that is no part.
     Obstacle = 3,
+    /// The tool.
+    Tool = 4,
 }
 
 /// Float buffers of one view, row by row from the top left, shape `[height, width]` each.
@@ -36,9 +38,9 @@ pub struct Frame {
     pub normal: Vec<Vec3>,
     /// Point on the surface in the part's frame [m]; zero for background.
     pub position: Vec<Vec3>,
-    /// Weld id; 0 for base metal, background and obstacles.
+    /// Weld id; 0 for base metal and for everything but the part.
     pub weld: Vec<u16>,
-    /// Coating dose D, 1 where the coating is gone; 0 for background and obstacles.
+    /// Coating dose D, 1 where the coating is gone; 0 for everything but the part.
     pub dose: Vec<f32>,
     /// Removed depth [m]; 0 where nothing was removed and for background.
     pub removed: Vec<f32>,

@@ -9,7 +9,7 @@ use super::lockstep::Crossings;
 use super::padded::Cells;
 use super::ray_packet::common_clear_length;
 use super::rays::{ImagePositions, Rays, Wide};
-use super::scene::{FIRST_OBSTACLE, Stage};
+use super::scene::{FIRST_OBSTACLE, FIRST_TOOL, Stage};
 use super::surface::{LABEL_DEPTH, WeldCell, scalars_of};
 use super::walk::integers;
 
@@ -17,7 +17,7 @@ use super::walk::integers;
 pub(crate) struct Samples {
     /// Unit directions of the rays.
     pub(crate) directions: Points,
-    /// Metal of the field: the part or an obstacle.
+    /// Metal of the field: the part, an obstacle or the tool.
     pub(crate) is_solid: [bool; LANES],
     pub(crate) is_table: [bool; LANES],
     /// Distance along the camera's axis [m]; infinite without a hit.
@@ -30,7 +30,7 @@ pub(crate) struct Samples {
     pub(crate) normals: Points,
     /// Weld ids, 0 for base metal and obstacles.
     pub(crate) weld: [u16; LANES],
-    /// Labels of obstacles, 0 for the part.
+    /// Labels of obstacles and of the tool, 0 for the part.
     pub(crate) obstacle: [u16; LANES],
     /// Share of weld metal around the points, 0 to 1.
     pub(crate) weld_share: Lanes,
@@ -60,6 +60,7 @@ impl Samples {
     #[inline(always)]
     pub(crate) fn seen(&self, lane: usize) -> VisibleObject {
         match (self.is_solid[lane], self.is_table[lane]) {
+            (true, _) if self.obstacle[lane] >= FIRST_TOOL => VisibleObject::Tool,
             (true, _) if self.obstacle[lane] > 0 => VisibleObject::Obstacle,
             (true, _) => VisibleObject::Part,
             (false, true) => VisibleObject::Table,

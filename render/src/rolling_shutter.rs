@@ -67,7 +67,7 @@ mod tests {
         let part = BrickGrid::from_distance(-half, half, 0.5e-3, 3.0, distance);
         let camera = Camera::framing(-half, half, -0.9, 0.6, 4.0 / 3.0);
         let shutter = RollingShutter { shift: DVec3::new(4e-3, -2e-3, 1e-3), turn: DVec3::new(0.01, -0.02, 0.03) };
-        let table = Some(Table { height: -0.008, material: PRIMER, texture: None });
+        let table = Some(Table { height: -0.008, material: PRIMER, texture: None, pattern: None });
         let still = Scene { table, ..Scene::new(&part) };
         let scene = Scene { shutter: Some(shutter), ..still.clone() };
         let raster = Raster { width: 64, height: 48, samples_per_side: 1 };

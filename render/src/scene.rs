@@ -19,6 +19,7 @@ use super::rays::{ImagePositions, Rays};
 use super::rolling_shutter::RollingShutter;
 use super::rows::Rows;
 use super::shade_lanes::ShadeLanes;
+use super::table_pattern::TablePattern;
 use super::texture::Texture;
 use super::tile::{TILE, TileVisibility, tile_pixels};
 
@@ -27,6 +28,8 @@ const TILES: usize = 4;
 
 /// Label of the first thing in a field that is no part, such as a clamp; the next ones follow. Welds have lower ids.
 pub const FIRST_OBSTACLE: u16 = 0xff00;
+/// Label of the first body of the tool in a field; the next ones follow.
+pub const FIRST_TOOL: u16 = 0xfff0;
 
 /// An infinite level table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +40,8 @@ pub struct Table {
     pub material: Material,
     /// Variation of the material. On the CPU only.
     pub texture: Option<Texture>,
+    /// Pattern over the material. On the CPU only.
+    pub pattern: Option<TablePattern>,
 }
 
 /// Everything that a camera can see. Lights, table and camera are in the scene's frame, whose z axis points up.
@@ -50,6 +55,8 @@ pub struct Scene<'a> {
     pub appearance: Appearance,
     /// Materials of the things in the field that are no part, by label from [`FIRST_OBSTACLE`] on. On the CPU only.
     pub obstacles: Vec<Material>,
+    /// Materials of the tool's bodies in the field, by label from [`FIRST_TOOL`] on. On the CPU only.
+    pub tool: Vec<Material>,
     /// Table below the part, if any.
     pub table: Option<Table>,
     /// Dust on everything. On the CPU only.
@@ -90,12 +97,20 @@ impl<'a> Scene<'a> {
             ("a set share of exposed metal", exposed.is_some()),
             ("oxides", !oxides.is_none()),
             ("a luminous panel", !self.lights.panels.is_empty()),
-            ("a thing that is no part", !self.obstacles.is_empty()),
+            ("a thing that is no part", !self.obstacles.is_empty() || !self.tool.is_empty()),
+            ("a pattern of the table", self.table.is_some_and(|table| table.pattern.is_some())),
             ("dust", self.dust.is_some()),
             ("light from a picture", self.surroundings.is_some()),
             ("a rolling shutter", self.shutter.is_some()),
         ];
         found.into_iter().find(|(_, is_there)| *is_there).map(|(name, _)| name)
+    }
+
+    /// Material of a body that is no part, by its label.
+    pub(crate) fn material_of(&self, label: u16) -> Option<Material> {
+        let (bodies, first) =
+            if label >= FIRST_TOOL { (&self.tool, FIRST_TOOL) } else { (&self.obstacles, FIRST_OBSTACLE) };
+        bodies.get(usize::from(label.checked_sub(first)?)).copied()
     }
 
     /// A part in the pose of its own frame, with the default lights; coated if it has a dose.
@@ -106,6 +121,7 @@ impl<'a> Scene<'a> {
             placement: Placement::IDENTITY,
             appearance: Appearance { coating, ..Appearance::default() },
             obstacles: Vec::new(),
+            tool: Vec::new(),
             table: None,
             dust: None,
             lights: Lights::default(),

@@ -9,8 +9,9 @@ use super::marks::{Grooves, any_tangent};
 use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
 use super::oxides::OxidePlace;
-use super::scene::{FIRST_OBSTACLE, Stage};
+use super::scene::{Scene, Stage};
 use super::shade::facing;
+use super::table_pattern::TablePattern;
 use super::texture::Texture;
 use super::tile::TileVisibility;
 
@@ -142,8 +143,12 @@ impl ShadeLanes<'_> {
                 let blend = table.texture.map_or(plain, |texture| self.textured(i, plain, &texture));
                 materials.set(i, if is_table[i] { blend } else { materials.blend(i) });
             }
+            if let Some(pattern) = &table.pattern {
+                (0..LANES).filter(|&i| is_table[i]).for_each(|i| materials.set(i, self.patterned(i, pattern)));
+            }
         }
-        if !stage.scene.obstacles.is_empty() || stage.scene.dust.is_some() {
+        let Scene { obstacles, tool, dust, .. } = stage.scene;
+        if !obstacles.is_empty() || !tool.is_empty() || dust.is_some() {
             self.cover(&mut materials);
         }
         materials
@@ -167,13 +172,12 @@ impl ShadeLanes<'_> {
         appearance.covered((samples.weld_share[lane], dose, samples.removed[lane]), cover)
     }
 
-    /// Gives obstacles their materials, and lays dust over everything.
+    /// Gives obstacles and the tool their materials, and lays dust over everything.
     #[inline(always)]
     fn cover(&self, materials: &mut MaterialLanes) {
         let Self { stage, samples, .. } = self;
         for i in 0..LANES {
-            let thing = samples.obstacle[i].checked_sub(FIRST_OBSTACLE);
-            if let Some(&material) = thing.and_then(|thing| stage.scene.obstacles.get(usize::from(thing))) {
+            if let Some(material) = stage.scene.material_of(samples.obstacle[i]) {
                 materials.set(i, Blend { material, ground: 0.0 });
             }
             if let Some(dust) = &stage.scene.dust {
@@ -183,6 +187,21 @@ impl ShadeLanes<'_> {
         }
     }
 
+    /// Material of a lane on a table with a pattern.
+    fn patterned(&self, lane: usize, pattern: &TablePattern) -> Blend {
+        let Self { stage, samples, .. } = self;
+        let point = (stage.to_scene * samples.positions.get(lane)).truncate();
+        Blend { material: pattern.material(point, self.footprint(lane)), ground: 0.0 }
+    }
+
+    /// Size of a lane's pixel on the surface [m].
+    #[inline(always)]
+    fn footprint(&self, lane: usize) -> f32 {
+        let Self { stage, samples, .. } = self;
+        let depth = f64::from(samples.depth[lane]);
+        stage.camera.pixel_size_within(depth, stage.raster.height, stage.half_image) as f32
+    }
+
     #[inline(always)]
     fn textured(&self, lane: usize, blend: Blend, texture: &Texture) -> Blend {
         Blend { material: texture.applied(blend.material, self.samples.positions.get(lane)), ..blend }
@@ -190,11 +209,10 @@ impl ShadeLanes<'_> {
 
     #[inline(always)]
     fn grooves(&self, normals: &Points) -> Grooves {
-        let Self { stage, appearance, samples, .. } = self;
+        let Self { appearance, samples, .. } = self;
         let mut footprints = [0.0; LANES];
         for i in 0..LANES {
-            let depth = f64::from(samples.depth[i]);
-            footprints[i] = stage.camera.pixel_size_within(depth, stage.raster.height, stage.half_image) as f32;
+            footprints[i] = self.footprint(i);
         }
         appearance.marks.grooves(&samples.positions, normals, &footprints)
     }

@@ -240,7 +240,7 @@ impl PhotoFlags {
         };
         if self.table {
             let height = surface_bounds(part)?.0.z;
-            scene.table = Some(Table { height, material: ROLLED_STEEL, texture: None });
+            scene.table = Some(Table { height, material: ROLLED_STEEL, texture: None, pattern: None });
         }
         Ok(scene)
     }

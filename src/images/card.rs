@@ -32,22 +32,13 @@ pub(super) fn write(recipe: &ImageRecipe, records: &[ImageRecord], failures: &[F
     for (file, holds) in [
         ("`train/`, `validation/`, `test/`", "the splits"),
         ("`train/images/ID.png`", "the image, eight-bit sRGB"),
-        (
-            "`train/metadata.jsonl`",
-            "one line for each image: state, camera, light, material, looks, and where its labels are",
-        ),
-        (
-            "`train/appearance.json`, `train/dose.json`",
-            "COCO beside the images: masks of sanded and unsanded coating, workpiece, welds",
-        ),
+        ("`train/metadata.jsonl`", "one line for each image: state, scene, and where its labels are"),
+        ("`train/appearance.json`, `dose.json`", "COCO: masks of sanded and unsanded coating, workpiece, welds, tool"),
         ("`train/labels/ID.txt`", "YOLO segmentation, by appearance: 0 sanded, 1 unsanded"),
         ("`appearance/ID.png`", "labels by what is seen: 0 background, 1 sanded, 2 unsanded, 255 ignore"),
         ("`dose/ID.png`", "labels by the dose, the same values"),
-        (
-            "`views/VIEW.json`",
-            "of a placement: camera matrix, distortion, pose, boxes in two and three dimensions, welds",
-        ),
-        ("`views/VIEW-instances.png`", "0 background, 1 base metal, 1 + i weld i"),
+        ("`views/VIEW.json`", "of a placement: camera matrix, distortion, pose, boxes in 2D and 3D, welds, tool"),
+        ("`views/VIEW-instances.png`", "0 background, 1 base metal, 1 + i weld i, 255 tool"),
         ("`views/VIEW-amodal.png`", "1 where the workpiece is, as if nothing hid it"),
         ("`views/VIEW-depth.png`", "depth along the camera's axis in steps of 0.1 mm, 0 background"),
         ("`views/VIEW.exr`", "float buffers: depth, normal, position, weld id"),

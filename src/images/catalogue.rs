@@ -42,8 +42,10 @@ impl Described for ImageRecipe {
                 continue;
             }
             let view = |planned: &Planned| set.recipe.view_of(planned);
-            let of: Vec<MetadataLine<'_>> =
-                pairs.iter().map(|(planned, record)| MetadataLine::of(record, &view(planned))).collect();
+            let of: Vec<MetadataLine<'_>> = pairs
+                .iter()
+                .map(|(planned, record)| MetadataLine::of(record, &view(planned)))
+                .collect::<Result<_, _>>()?;
             files.insert(metadata, lines(of.iter())?);
             files.insert(appearance, annotations(set, APPEARANCE_FOLDER, &pairs)?);
             files.insert(dose, annotations(set, DOSE_FOLDER, &pairs)?);

@@ -176,7 +176,7 @@ fn make_image(set: &ImageSet, planned: &Planned) -> Result<()> {
             sources.insert("dose".to_owned(), set.attach_dose(&mut part, &sanding, stage)?);
         }
     }
-    let (mut scene, files) = recipe.scene(&part, &recipe.seeds(planned))?;
+    let (mut scene, files) = set.scene(&part, &recipe.seeds(planned))?;
     let shot = shoot(&part, &scene, recipe.size, &files)?;
     scene.sensor.exposure = shot.exposure;
     set.write_image(planned, &shot, scene, sources)

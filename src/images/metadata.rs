@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use perception::Scene;
-
 use super::plan::{Split, Treatment};
 use super::record::{ImageRecord, file_name, label_path};
 use super::view::view_paths;
@@ -32,14 +30,15 @@ pub(super) struct MetadataLine<'a> {
     instances: String,
     depth: String,
     amodal: String,
-    scene: &'a Scene,
+    /// The scene in JSON, as a text: its parts differ from image to image, and readers want equal columns.
+    scene: String,
 }
 
 impl<'a> MetadataLine<'a> {
-    /// The line of an image in a view.
-    pub(super) fn of(record: &'a ImageRecord, view: &str) -> Self {
+    /// The line of an image in a view. Errors: never, a scene is plain data.
+    pub(super) fn of(record: &'a ImageRecord, view: &str) -> serde_json::Result<Self> {
         let [view, instances, depth, amodal] = view_paths(view);
-        Self {
+        Ok(Self {
             file_name: file_name(&record.id),
             id: &record.id,
             number: record.number,
@@ -57,7 +56,7 @@ impl<'a> MetadataLine<'a> {
             instances,
             depth,
             amodal,
-            scene: &record.scene,
-        }
+            scene: serde_json::to_string(&record.scene)?,
+        })
     }
 }

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
+use files::folder::write_file;
 use files::input::{self, MOST_MESH_BYTES};
 use perception::{ClutterMesh, Scene, SceneFiles, Seeds, environment_map, standing_height};
 use sdf_bake::BrickGrid;
 use sdf_bake::read::UnitChoice;
 use serde::{Deserialize, Serialize};
 
-use super::ImageRecipe;
+use super::{FIELDS_FOLDER, ImageSet};
 use crate::cache::find_meshes;
 use crate::part::{Part, sha256};
 
@@ -86,32 +87,39 @@ impl ClutterFile {
         Ok(Self { file: path.display().to_string(), sha256: part.source.sha256, height })
     }
 
-    fn mesh(&self) -> Result<ClutterMesh> {
+    /// Reads the mesh as it was baked into a folder, or bakes it there.
+    fn mesh(&self, folder: &Path) -> Result<ClutterMesh> {
+        let kept = folder.join(format!("clutter-{}.nvdb", self.sha256));
+        if kept.is_file() {
+            return Ok(ClutterMesh::from_nvdb(&input::read(&kept, MOST_MESH_BYTES)?)?);
+        }
         let part = Part::load(Path::new(&self.file), UnitChoice::Auto)?;
         ensure!(part.source.sha256 == self.sha256, "{}: not the mesh that the set was started with", self.file);
-        Ok(ClutterMesh::of(&part.mesh)?)
+        let mesh = ClutterMesh::of(&part.mesh)?;
+        write_file(&kept, &mesh.to_nvdb()?)?;
+        Ok(mesh)
     }
 }
 
-impl ImageRecipe {
+impl ImageSet {
     /// Draws a scene of a part, and reads the files that it uses.
     ///
     /// # Errors
     /// If the part has no surface, or a file cannot be read or has changed.
     pub fn scene(&self, part: &BrickGrid, seeds: &Seeds) -> Result<(Scene, SceneFiles)> {
-        let mut scene = Scene::draw(part, seeds, self.size, &self.looks)?;
+        let mut scene = Scene::draw(part, seeds, self.recipe.size, &self.recipe.looks)?;
         let mut files = SceneFiles::default();
-        if let Some(EnvironmentFile { file, sha256: expected }) = &self.environment {
+        if let Some(EnvironmentFile { file, sha256: expected }) = &self.recipe.environment {
             let bytes = input::read(Path::new(file), MOST_MESH_BYTES)?;
             ensure!(sha256(&bytes) == *expected, "{file}: not the picture that the set was started with");
             files.environment = Some(environment_map(&bytes)?);
             scene = scene.surrounded(seeds);
         }
-        if let Some(ClutterFolder { meshes, .. }) = &self.clutter {
+        if let Some(ClutterFolder { meshes, .. }) = &self.recipe.clutter {
             let heights: Vec<f64> = meshes.iter().map(|mesh| mesh.height).collect();
             scene = scene.with_meshes(part, seeds, &heights)?;
             for mesh in scene.obstacles.iter().filter_map(|thing| thing.mesh) {
-                files.meshes.insert(mesh, meshes[mesh].mesh()?);
+                files.meshes.insert(mesh, meshes[mesh].mesh(&self.folder().join(FIELDS_FOLDER))?);
             }
         }
         Ok((scene, files))

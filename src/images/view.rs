@@ -72,7 +72,7 @@ impl ImageSet {
         let recipe = &self.recipe;
         let name = &recipe.workpieces[planned.workpiece].name;
         let (part, workpiece_sha256) = self.read_workpiece(name)?;
-        let (scene, files) = recipe.scene(&part, &recipe.view_seeds(planned))?;
+        let (scene, files) = self.scene(&part, &recipe.view_seeds(planned))?;
         let (view, frame) = View::of(&part, &scene, recipe.size, &files)?;
         let contents = [
             png8(recipe.size, &instances(&frame.buffers))?,

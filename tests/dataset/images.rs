@@ -97,7 +97,8 @@ fn every_image_has_labels_of_known_classes_and_a_line_that_says_what_it_shows() 
             }
         }
         assert!(row["agreement"].as_f64().expect("a number") > 0.98, "{id}: {row}");
-        assert!(row["scene"]["camera"]["vertical_field_of_view"].as_f64().is_some_and(|angle| angle > 0.2));
+        let scene: Value = serde_json::from_str(row["scene"].as_str().unwrap()).unwrap();
+        assert!(scene["camera"]["vertical_field_of_view"].as_f64().is_some_and(|angle| angle > 0.2));
     }
     let splits: BTreeSet<(u64, &str)> = rows
         .iter()
@@ -294,6 +295,10 @@ fn pycocotools_finds_the_masks_areas_and_boxes_of_the_labels() {
     assert_eq!(answer["faults"], serde_json::json!([]));
     let count = |key: &str| answer[key].as_u64().expect("a number") as usize;
     assert_eq!((count("files"), count("images")), (6, 2 * IMAGES));
+    let view = |row: &Value| std::fs::read(undisturbed().join(row["view"].as_str().unwrap())).unwrap();
+    let shows_tool = |row: &Value| serde_json::from_slice::<Value>(&view(row)).unwrap()["tool"].is_object();
+    let tools = rows_of(undisturbed()).iter().filter(|&row| shows_tool(row)).count();
+    assert!(tools > 0 && tools < IMAGES, "{tools}");
     // The workpiece in every image, both classes in the four stages of a placement and one in its references, no weld.
-    assert_eq!(count("annotations"), 2 * (IMAGES + 3 * (2 * 4 + 2)));
+    assert_eq!(count("annotations"), 2 * (IMAGES + 3 * (2 * 4 + 2) + tools));
 }

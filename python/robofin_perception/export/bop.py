@@ -22,6 +22,8 @@ from .solid import Solid
 #: Folder and kind of picture; the readers of BOP expect JPEG of images that were rendered for training.
 SPLITS = {"train": ("train_pbr", "jpg"), "validation": ("val", "png"), "test": ("test", "png")}
 DEPTH_SCALE = 0.1
+#: Number of the tool in instance labels; lower ones belong to the workpiece.
+TOOL_INSTANCE = 255
 #: Pictures of a view: instance labels, depth, the whole workpiece.
 VIEW_PICTURES = ("instances", "depth", "amodal")
 INFO = """# Labelled images of sanding
@@ -115,7 +117,7 @@ class _Scene:
         height, width = depth.shape
         margin = max(width, height)
         grid, wide = (camera.lens.grid((width, height), around) for around in (0, margin))
-        masks = {"mask": nearest(amodal > 0, grid), "mask_visib": nearest(instances > 0, grid)}
+        masks = {"mask": nearest(amodal > 0, grid), "mask_visib": nearest((instances > 0) & (instances < TOOL_INSTANCE), grid)}
         depth = nearest(depth, grid)
         for place, sample in enumerate(self.samples):
             kind = SPLITS[sample.split][1]

@@ -48,7 +48,8 @@ def _schema(root: Path, samples: Sequence[Sample]) -> pyarrow.Schema:
 def _facts(sample: Sample) -> dict[str, Any]:
     """The drawn scene is a text: its parts differ from image to image, and its seed has 64 bits without sign."""
     facts = sample.facts()
-    return facts | {"scene": json.dumps(facts["scene"])} if "scene" in facts else facts
+    scene = facts.get("scene")
+    return facts if scene is None or isinstance(scene, str) else facts | {"scene": json.dumps(scene)}
 
 
 def _table(samples: Sequence[Sample], labels: list[str], schema: pyarrow.Schema) -> pyarrow.Table:

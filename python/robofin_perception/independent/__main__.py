@@ -8,6 +8,8 @@ from pathlib import Path
 
 import robofin
 
+from .plan import SPLITS, STATES
+
 MOST_PIXELS = 4096
 
 
@@ -34,6 +36,13 @@ def natural(word: str) -> int:
     return int(word)
 
 
+def states(word: str) -> int:
+    """Pictures of a placement."""
+    if not word.isdecimal() or not 1 <= int(word) <= STATES:
+        raise argparse.ArgumentTypeError(f"{word}: a whole number from 1 to {STATES} is accepted")
+    return int(word)
+
+
 def parser() -> argparse.ArgumentParser:
     """The options of the command."""
     options = argparse.ArgumentParser(
@@ -46,6 +55,8 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--size", type=size_of, default=(320, 240), help="pixels (320x240)")
     options.add_argument("--seed", type=natural, default=1, help="of everything that is drawn (1)")
     options.add_argument("--samples", type=positive, default=32, help="samples of each pixel (32)")
+    options.add_argument("--states", type=states, default=STATES, help=f"pictures of each placement ({STATES})")
+    options.add_argument("--split", choices=SPLITS, help="of all pictures; otherwise placements are divided")
     options.add_argument("--threads", type=natural, default=0, help="threads of Cycles; 0: one for each core (0)")
     options.add_argument("--resume", action="store_true", help="go on with a set that was interrupted")
     return options

@@ -11,7 +11,7 @@ import robofin
 from .labels import Labels
 from .plan import SPLITS, Planned
 
-FORMAT = "robofin-independent/1"
+FORMAT = "robofin-independent/2"
 RECIPE_FILE = "dataset.json"
 
 

@@ -8,8 +8,8 @@ from .source import SourceSet
 
 SPLITS = ("train", "validation", "test")
 TRAIN_SHARE, VALIDATION_SHARE = 0.4, 0.1
-STAGES_PER_PLACEMENT = 5
-"""Sanded states of a placement; one more picture is unsanded or bare, in turn."""
+STATES = 6
+"""Pictures of a placement at most; one in as many is unsanded or bare, in turn, and the others are stages of paths."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +41,24 @@ class Planned:
     split: str
 
 
-def plan(source: SourceSet, count: int, seed: int) -> list[Planned]:
+@dataclass(frozen=True)
+class Shares:
+    """Pictures of each placement, and the split of all of them; without one, placements are divided among splits."""
+
+    states: int = STATES
+    split: str | None = None
+
+
+def plan(source: SourceSet, count: int, seed: int, shares: Shares) -> list[Planned]:
     """The pictures of a set: placements take turns among workpieces, and each shows several states."""
     random = Random(f"{seed}/plan")
-    per_placement = min(STAGES_PER_PLACEMENT, len(source.patterns) * source.stages) + 1
-    rounds = -(-count // (per_placement * len(source.workpieces)))
+    cycle = min(STATES - 1, len(source.patterns) * source.stages) + 1
+    states = min(shares.states, cycle)
+    rounds = -(-count // (states * len(source.workpieces)))
     splits = {name: split_of_placements(rounds, random) for name in source.workpieces}
-    treatments = {name: deal(source, rounds, random) for name in source.workpieces}
+    treatments = {name: deal(source, rounds, (states, cycle), random) for name in source.workpieces}
     pictures = [
-        Planned(f"{name}-p{place:02}-{treatment.name}", name, place, treatment, splits[name][place])
+        Planned(f"{name}-p{place:02}-{treatment.name}", name, place, treatment, shares.split or splits[name][place])
         for place in range(rounds)
         for name in source.workpieces
         for treatment in treatments[name][place]
@@ -65,19 +74,26 @@ def split_of_placements(count: int, random: Random) -> list[str]:
     return splits
 
 
-def deal(source: SourceSet, placements: int, random: Random) -> list[list[Treatment]]:
-    """The states of each placement; every stage of every pattern is used once before one is used again."""
+def deal(source: SourceSet, placements: int, states: tuple[int, int], random: Random) -> list[list[Treatment]]:
+    """The states of each placement; every stage of every pattern is used once before one is used again.
+
+    `states` are those of a placement, and those of which one is unsanded or bare.
+    """
     stages = [
         Treatment("stage", pattern, stage) for pattern in source.patterns for stage in range(1, source.stages + 1)
     ]
     ends = [Treatment("unsanded"), Treatment("bare")]
+    each, cycle = states
     deck: list[Treatment] = []
     hands = []
     for placement in range(placements):
-        if len(deck) < STAGES_PER_PLACEMENT:
+        before, after = placement * each // cycle, (placement + 1) * each // cycle
+        sanded = each - (after - before)
+        if len(deck) < sanded:
             random.shuffle(stages)
             deck = [stage for stage in stages if stage not in deck] + deck
-        hand = [deck.pop() for _ in range(min(STAGES_PER_PLACEMENT, len(deck)))]
-        hand.insert(random.randrange(len(hand) + 1), ends[placement % 2])
+        hand = [deck.pop() for _ in range(sanded)]
+        if after > before:
+            hand.insert(random.randrange(len(hand) + 1), ends[before % 2])
         hands.append(hand)
     return hands

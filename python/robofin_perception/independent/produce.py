@@ -13,18 +13,23 @@ from PIL import Image
 
 from .dataset import Dataset, recipe_of
 from .labels import Labels, agreement, code, labels, seen_share
-from .plan import Planned, plan
+from .plan import Planned, Shares, plan
 from .render import Raster, Rendered, render
 from .scene import SceneDraw, build
 from .sensor import exposure, expose
 from .source import SourceSet
 
+NUMBERS = ("seed", "count", "samples", "states", "split")
+"""Settings of a recipe, besides the size."""
 RENDERER = f"Blender Cycles {bpy.app.version_string}"
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a production: folders, number of pictures, pixels, samples of each pixel, seed, threads (0: all)."""
+    """Settings of a production: folders, number of pictures, pixels, samples of each pixel, seed, threads (0: all).
+
+    `states` and `split` are those of `Shares`.
+    """
 
     data: Path
     out: Path
@@ -32,6 +37,8 @@ class Settings:
     size: tuple[int, int]
     samples: int
     seed: int
+    states: int
+    split: str | None
     threads: int
     resume: bool
 
@@ -48,10 +55,10 @@ class Picture:
 def produce(settings: Settings) -> Iterator[tuple[Planned, float]]:
     """Renders what is missing; yields each picture with its seconds."""
     source = SourceSet(settings.data)
-    options = {name: getattr(settings, name) for name in ("seed", "count", "samples")} | {"size": list(settings.size)}
+    options = {name: getattr(settings, name) for name in NUMBERS} | {"size": list(settings.size)}
     recipe = recipe_of(options, source.sha256, bpy.app.version_string)
     dataset = Dataset(settings.out, recipe, settings.resume)
-    for planned in plan(source, settings.count, settings.seed):
+    for planned in plan(source, settings.count, settings.seed, Shares(settings.states, settings.split)):
         if planned.id in dataset.done():
             continue
         start = time.monotonic()

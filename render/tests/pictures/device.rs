@@ -70,7 +70,8 @@ fn pictures_of_the_device_differ_from_the_cpu_s_in_at_most_a_thousandth_of_the_p
             ("through a lens", moved(&framed, &turned, lens), turned, false),
         ] {
             scene.placement = placement;
-            scene.table = table.then_some(Table { height: low.z, material: ROLLED_STEEL, texture: None });
+            scene.table =
+                table.then_some(Table { height: low.z, material: ROLLED_STEEL, texture: None, pattern: None });
             let cpu = scene.photograph(&camera, &RASTER);
             let gpu = photographer.photograph(&buffers, &scene, &camera, &RASTER).expect("a photograph");
             let pixels = cpu.seen.len();

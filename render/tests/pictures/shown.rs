@@ -99,7 +99,7 @@ fn the_part_throws_a_shadow_on_its_table_and_hides_it() {
     let (low, high) = part.surface_bounds().unwrap();
     let mut scene = Scene::new(&part);
     let paper = Material { colour: Vec3::splat(0.5), roughness: 0.8, metallic: 0.0 };
-    scene.table = Some(Table { height: low.z, material: paper, texture: None });
+    scene.table = Some(Table { height: low.z, material: paper, texture: None, pattern: None });
     scene.lights = Lights { keys: vec![scene.lights.keys[0]], ..Lights::default() };
     let camera = Camera::framing(low, high, -1.0, 0.8, 4.0 / 3.0);
     let frame = scene.photograph(&camera, &RASTER);
