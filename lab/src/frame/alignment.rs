@@ -78,21 +78,23 @@ impl Search<'_> {
         let usual = |_| ScanEvidence::new(trials, None);
         let mut evidence = ScanEvidence::new(trials, voxel).or_else(usual)?;
         let model = CompiledModel::new(self.model, self.library, evidence.rows())?;
-        match voxel {
-            None => evidence.limit_steps(&model)?,
-            Some(_) => evidence.abandon_longer(&model)?,
+        if voxel.is_none() {
+            evidence.limit_steps(&model)?;
         }
         let fit = fit_roughly(&evidence, &model)?;
         let columns = FrameFreedom::new(&evidence, &fit.model)?.columns;
         let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
         let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
         let trials: Vec<&Trial> = trials.iter().collect();
-        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (evidence.logs_moved(), &trials));
+        let logs_moved = evidence.logs_moved();
+        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (logs_moved, &trials));
         // Rivals can only weaken the evidence for an offset.
         let without = judged(&[]).place;
         if without == [0.0; QUANTITIES] {
             return Ok(without);
         }
+        // A rough fit may pass through models that take more steps than a rival is given.
+        evidence.abandon_longer(&fit.model)?;
         Ok(judged(&rivals(&evidence, (self.model, &fit), self.library)?).place)
     }
 }

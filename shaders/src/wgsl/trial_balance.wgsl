@@ -148,14 +148,3 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     rebase();
     return SEARCHING;
 }
-
-// Advances an admittance controller by one sample (semi-implicit Euler).
-fn sample_admittance() {
-    let dt = state.dt;
-    let mass = setup.mass;
-    let over = force_reading(state.end_force) - setup.force_setpoint;
-    let speed = (mass * state.speed + dt * over) / (mass + dt * setup.damping);
-    state.found_speed = speed;
-    state.guess = state.fine + dt * speed;
-    rebase();
-}
