@@ -86,15 +86,12 @@ impl Search<'_> {
         let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
         let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
         let trials: Vec<&Trial> = trials.iter().collect();
-        let logs_moved = evidence.logs_moved();
-        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (logs_moved, &trials));
+        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (evidence.logs_moved(), &trials));
         // Rivals can only weaken the evidence for an offset.
         let without = judged(&[]).place;
         if without == [0.0; QUANTITIES] {
             return Ok(without);
         }
-        // A rough fit may pass through models that take more steps than a rival is given.
-        evidence.abandon_longer(&fit.model)?;
         Ok(judged(&rivals(&evidence, (self.model, &fit), self.library)?).place)
     }
 }
