@@ -1,5 +1,5 @@
-//! The workbench of the whole program: an asset that the page makes is the one that it showed, and a cancelled one is
-//! gone.
+//! The workbench of the whole program: an asset that the page makes is the one that it showed, a cancelled one is gone,
+//! and the images that the program makes are shown.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -118,4 +118,30 @@ fn the_page_makes_the_asset_that_it_shows() {
     server.ask("POST /weld/cancel", "");
     assert_eq!(server.ended()["outcome"], "cancelled");
     assert_eq!(names(&folder), ["made", "part <b>.obj"], "nothing is left of it");
+}
+
+#[test]
+fn images_that_the_program_makes_are_shown_with_their_looks() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let folder = place.path().join("images");
+    let mut command =
+        robofin(["dataset", "images", "--limit", "6", "--size", "96x72", "--voxel-mm", "2", "--seed", "3"]);
+    assert!(command.arg("--out").arg(&folder).output().expect("the program can be started").status.success());
+    let server = Server::start(&folder, &place.path().join("kept"));
+    let page = server.ask("GET /", "");
+    let id = page.split("/set/").nth(1).and_then(|rest| rest.split('"').next()).expect("a link to the set");
+    let set = server.json(&format!("GET /set/{id}/rows"));
+    assert_eq!((&set["faults"], &set["failures"]), (&json!([]), &json!([])), "{set}");
+    let rows = set["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 6);
+    let all = rows.iter().flat_map(|row| row["looks"].as_array().expect("looks"));
+    let drawn: std::collections::BTreeSet<&str> = all.map(|look| look.as_str().expect("a name")).collect();
+    let known = robofin(["dataset", "images", "--help"]).output().expect("the program can be started");
+    let known = String::from_utf8(known.stdout).expect("text");
+    let accepted = known.split("[default: all]: ").nth(1).and_then(|rest| rest.split(", or none").next());
+    let accepted: Vec<&str> = accepted.expect("the names of all looks").split(", ").collect();
+    assert!(drawn.iter().all(|look| accepted.contains(look)), "{drawn:?} of {accepted:?}");
+    for look in ["clutter", "spatter", "table", "tool"] {
+        assert!(drawn.contains(look), "{look}: {drawn:?}");
+    }
 }

@@ -24,7 +24,7 @@ pub(super) struct Suspects {
 /// A proposed trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Plan {
-    /// What to do, as a sentence.
+    /// Sentence that says what to do.
     summary: String,
     /// Address of its files; `None` if they are not below the served folder.
     #[serde(default)]

@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use files::input;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::inside::{MOST_PICTURE_BYTES, inside};
@@ -20,8 +21,13 @@ const SPLITS: [&str; 3] = ["train", "validation", "test"];
 /// Number of sets that are kept in memory.
 const MOST_SETS: usize = 2;
 /// Looks that stand under another name in the metadata.
-const RENAMED: [(&str, &str); 4] =
-    [("part", "texture"), ("table", "texture"), ("panels", "studio"), ("jpeg_quality", "compression")];
+const RENAMED: [(&str, &str); 5] = [
+    ("part", "texture"),
+    ("table", "texture"),
+    ("panels", "studio"),
+    ("jpeg_quality", "compression"),
+    ("table_pattern", "table"),
+];
 
 /// A picture of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -57,7 +63,13 @@ struct Line {
     instances: String,
     depth: String,
     amodal: String,
+    #[serde(deserialize_with = "scene_of_text")]
     scene: Scene,
+}
+
+/// The drawn scene; the file holds it as a text in JSON.
+fn scene_of_text<'de, D: Deserializer<'de>>(from: D) -> Result<Scene, D::Error> {
+    serde_json::from_str(&String::deserialize(from)?).map_err(D::Error::custom)
 }
 
 #[derive(Deserialize)]
@@ -66,6 +78,10 @@ struct Scene {
     looks: Map<String, Value>,
     #[serde(default)]
     obstacles: Vec<Value>,
+    #[serde(default)]
+    spatter: Vec<Value>,
+    #[serde(default)]
+    tool: Value,
 }
 
 /// Images of a set, with the split of each.
@@ -192,8 +208,10 @@ impl Line {
             renamed.unwrap_or_else(|| key.replace('_', "-"))
         };
         let drawn = self.scene.looks.iter().filter(|(_, value)| is_there(value)).map(|(key, _)| name(key));
-        let clutter = (!self.scene.obstacles.is_empty()).then(|| "clutter".to_owned());
-        let sorted: BTreeSet<String> = drawn.chain(clutter).collect();
+        let Scene { obstacles, spatter, tool, .. } = &self.scene;
+        let bodies = [("clutter", !obstacles.is_empty()), ("spatter", !spatter.is_empty()), ("tool", !tool.is_null())];
+        let bodies = bodies.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name.to_owned());
+        let sorted: BTreeSet<String> = drawn.chain(bodies).collect();
         sorted.into_iter().collect()
     }
 }

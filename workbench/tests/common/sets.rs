@@ -72,7 +72,7 @@ pub fn line(id: &str, workpiece: &str, looks: &Value) -> Value {
         "agreement": 0.97, "appearance_pixels": [1536, 1000, 500, 36], "dose_pixels": [1536, 1100, 400, 36],
         "appearance": format!("appearance/{id}.png"), "dose": format!("dose/{id}.png"), "view": "views/v.json",
         "instances": "views/v-instances.png", "depth": "views/v-depth.png", "amodal": "views/v-amodal.png",
-        "scene": { "looks": looks, "obstacles": [] },
+        "scene": json!({ "looks": looks, "obstacles": [] }).to_string(),
     })
 }
 
