@@ -64,7 +64,9 @@ impl Simulation<'_> {
             alive.into_iter().zip(outcomes).for_each(|(n, outcome)| of_run[n] = Some(outcome));
             let each = runs.par_iter_mut().zip(&mut states).zip(models).zip(of_run);
             each.for_each(|(((run, state), model), outcome)| {
-                outcome.into_iter().for_each(|outcome| run.add(self.after(model, (&mut *state, number), outcome)));
+                if let Some(outcome) = outcome {
+                    run.add(self.after(model, (state, number), outcome));
+                }
             });
         }
         runs
