@@ -92,26 +92,39 @@ impl<'a> ScanEvidence<'a> {
         calibration.renewed(self)
     }
 
-    /// Simulates a model once, and from then on abandons simulations that take far more steps.
+    /// Simulates a model once, and from then on abandons simulations that take far more steps. Prepares the coarser
+    /// lattice, too.
     ///
     /// # Errors
     /// If the model cannot be simulated.
     pub fn limit_steps(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
+        self.abandon_longer(model)?;
+        self.prepare_lattices();
+        Ok(())
+    }
+
+    /// The same for measurements that are simulated on one lattice.
+    ///
+    /// # Errors
+    /// If the model cannot be simulated.
+    pub(super) fn abandon_longer(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
         self.most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
-        self.prepare_lattices();
+        limit_to(self.most_steps, &mut self.simulation);
         Ok(())
     }
 
     /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
     pub(super) fn prepare_lattices(&mut self) {
         self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
-        let limit = |simulation: &mut CampaignSimulation<'a>| {
-            let own = simulation.trials.iter_mut();
-            own.for_each(|trial| trial.change_settings(|settings| settings.most_steps = self.most_steps));
-        };
-        limit(&mut self.simulation);
-        self.coarse.iter_mut().for_each(limit);
+        limit_to(self.most_steps, &mut self.simulation);
+        self.coarse.iter_mut().for_each(|coarse| limit_to(self.most_steps, coarse));
     }
+}
+
+/// Limits the steps of each pass.
+fn limit_to(most_steps: Option<usize>, simulation: &mut CampaignSimulation) {
+    let trials = simulation.trials.iter_mut();
+    trials.for_each(|trial| trial.change_settings(|settings| settings.most_steps = most_steps));
 }

@@ -51,8 +51,9 @@ pub struct Response {
 }
 
 impl Balance {
-    /// Finds the travel near `guess` by Newton's method, safeguarded by brackets. `None` if nothing is touched within
-    /// the bounds.
+    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The first
+    /// step is Newton's, the others are secants: a stiffness misses what the law adds where it depends on the speed of
+    /// the approach or on the state, and Newton's steps would then converge slowly, or not at all.
     ///
     /// # Errors
     /// The first error of `respond`.
@@ -60,6 +61,7 @@ impl Balance {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut stride, mut nudge) = (FIRST_STRIDE, 0.5 * FIRST_NUDGE);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
+        let mut before = None;
         let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
         for _ in 0..EVALUATIONS {
             let response = respond(travel)?;
@@ -74,10 +76,12 @@ impl Balance {
             }
             let slope = self.weight * response.stiffness + drag;
             let step = if slope > 0.0 {
+                let slope = before.and_then(|before| secant(before, (travel, excess))).unwrap_or(slope);
+                before = Some((travel, excess));
                 // A first touch is far softer than the patch into which it grows.
-                let newton = travel + excess / slope;
+                let next = travel + excess / slope;
                 stride *= 4.0;
-                if low.is_finite() { newton } else { newton.max(travel - stride) }
+                if low.is_finite() { next } else { next.max(travel - stride) }
             } else if response.depth == f64::NEG_INFINITY {
                 return Ok(None);
             } else {
@@ -92,7 +96,7 @@ impl Balance {
                 _ => step,
             };
             if travel.is_nan() || travel < self.bounds.0 {
-                // The first touch of a wide tool is so soft that Newton's step overshoots far below the balance.
+                // The first touch of a wide tool is so soft that the step overshoots far below the balance.
                 if travel.is_nan() || high <= self.bounds.0 {
                     return Ok(None);
                 }
@@ -114,6 +118,13 @@ impl Balance {
         let force = self.start_force + self.weight * (force - self.start_force);
         force - self.setpoint - self.damping * speed - self.mass * (speed - self.from.speed) / self.dt
     }
+}
+
+/// Fall of the excess force per travel between two evaluations, each a travel [m] and its excess [N]; `None` unless it
+/// falls.
+fn secant(before: (f64, f64), now: (f64, f64)) -> Option<f64> {
+    let slope = (before.1 - now.1) / (now.0 - before.0);
+    (slope > 0.0 && slope.is_finite()).then_some(slope)
 }
 
 /// Weight of the end of a step in the mean of a force that decays as `exp(-x)` towards a constant. With it, a step of
@@ -166,6 +177,31 @@ mod tests {
         assert!((dome(travel).unwrap().force - 15.0).abs() < 1e-6, "{travel}");
         let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
         assert_eq!(balance.solve(0.0, nothing), Ok(None));
+    }
+
+    #[test]
+    fn a_contact_stiffer_than_its_reported_stiffness_is_balanced_within_few_evaluations() {
+        let balance = Balance {
+            from: Motion::default(),
+            setpoint: 15.0,
+            damping: 0.0,
+            mass: 0.0,
+            dt: 0.01,
+            start_force: 0.0,
+            weight: 1.0,
+            tolerance: 1e-9,
+            bounds: (-0.02, 0.02),
+        };
+        // Newton's steps with half of the true stiffness or less would go round for ever.
+        for share in [0.5, 0.3, 0.01] {
+            let mut evaluations = 0;
+            let travel = balance.solve(-1e-6, |z: f64| {
+                evaluations += 1;
+                Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness: share * 1e6, depth: -z })
+            });
+            assert!((travel.unwrap().expect("a balance") + 15e-6).abs() < 1e-12);
+            assert!(evaluations <= 8, "{share}: {evaluations}");
+        }
     }
 
     #[test]

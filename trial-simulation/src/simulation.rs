@@ -4,16 +4,18 @@
 mod columns;
 mod logged;
 mod models;
+mod part;
 
 pub use columns::lacking;
 pub use logged::PassEnds;
 pub use models::ModelRun;
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use effects::{CompiledModel, Reset, States};
 use robot::Controller;
-use sdf_bake::heights::{HeightsError, SlabOptions};
+use sdf_bake::heights::HeightsError;
 use sdf_bake::{BrickGrid, HeightMap};
 use sim::{
     Covariates, ExecutionError, Executor, ForceProfile, Measured, PassRecord, PassSettings, Path, PathError, Progress,
@@ -23,6 +25,7 @@ use thiserror::Error;
 
 use crate::scanner::{SeenSurface, exposed_share};
 use logged::{LoggedPass, rest};
+use part::part_before;
 use trials::trial::{FrameOffset, Pass, PassScan, Trial, TrialError};
 
 /// Coating thickness if the trial does not give it [m].
@@ -101,8 +104,8 @@ pub struct Variation<'a> {
 pub struct Simulation<'a> {
     /// The trial.
     pub trial: &'a Trial,
-    /// The part before the first pass.
-    pub part: BrickGrid,
+    /// The part before the first pass; variations that do not change it share it.
+    pub part: Arc<BrickGrid>,
     /// True if passes also record the covariates of the scanned surface.
     pub covariates: bool,
     /// True if the tool follows the logged heights.
@@ -113,6 +116,8 @@ pub struct Simulation<'a> {
     pub device: Option<&'a shaders::Device>,
     /// Timer of the CPU's time by phase.
     pub clock: Option<&'a sim::Clock>,
+    /// True if heights were added to the scan before.
+    is_before_varied: bool,
     passes: Vec<Planned>,
 }
 
@@ -179,22 +184,22 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn varied(trial: &'a Trial, voxel: f64, replay: bool, variation: &Variation) -> Result<Self, SimulationError> {
-        let tool = &trial.tool.shape;
         // Checked before the part is built, which takes long for voxels much wider than the scan's pixels.
-        PassSettings::check_voxel(voxel, tool)
+        PassSettings::check_voxel(voxel, &trial.tool.shape)
             .map_err(|error| SimulationError::Pass { pass: 1, error: error.into() })?;
-        let options = SlabOptions { margin: trial.tool.half_width() + 4.0 * voxel, ..SlabOptions::with_voxel(voxel) };
-        let mut before = trial.scans.checked_before();
-        let added = variation.before.iter().flat_map(|map| &map.heights);
-        before
-            .heights
-            .iter_mut()
-            .zip(added)
-            .for_each(|(height, added)| *height += if added.is_finite() { *added } else { 0.0 });
-        let (mut part, _) = BrickGrid::from_heights(&before, &options)?;
-        if let Some(material) = &trial.scans.material {
-            part.label_columns(&material.pixels, &material.labels);
-        }
+        let part = Arc::new(part_before(trial, voxel, variation)?);
+        let own = Self::on_part(trial, part, replay, variation)?;
+        Ok(Self { is_before_varied: variation.before.is_some(), ..own })
+    }
+
+    /// A trial on a part that was built earlier.
+    fn on_part(
+        trial: &'a Trial,
+        part: Arc<BrickGrid>,
+        replay: bool,
+        variation: &Variation,
+    ) -> Result<Self, SimulationError> {
+        let (tool, voxel) = (&trial.tool.shape, part.voxel);
         let held = variation.frame_offset.of_tool(&trial.tool);
         let mut passes: Vec<Planned> = Vec::new();
         for (i, pass) in trial.passes.iter().enumerate() {
@@ -221,6 +226,7 @@ impl<'a> Simulation<'a> {
             frame_offset: variation.frame_offset,
             device: None,
             clock: None,
+            is_before_varied: false,
             passes,
         })
     }
@@ -231,7 +237,12 @@ impl<'a> Simulation<'a> {
     /// As [`Simulation::new`].
     pub fn again(&self, voxel: f64, variation: &Variation) -> Result<Self, SimulationError> {
         let frame_offset = self.frame_offset.and(&variation.frame_offset);
-        Self::varied(self.trial, voxel, self.replay, &Variation { frame_offset, ..variation.clone() })
+        let variation = Variation { frame_offset, ..variation.clone() };
+        // The part does not depend on where the log lies.
+        if voxel == self.part.voxel && variation.before.is_none() && !self.is_before_varied {
+            return Self::on_part(self.trial, self.part.clone(), self.replay, &variation);
+        }
+        Self::varied(self.trial, voxel, self.replay, &variation)
     }
 
     /// Changes the settings of all passes.
@@ -258,7 +269,7 @@ impl<'a> Simulation<'a> {
             tool.reset(model, Reset::FreshTool);
         }
         tool.reset(model, Reset::Trial);
-        RunState { part: self.part.clone(), tool, passes: 0, trial_time: 0.0, first_row }
+        RunState { part: BrickGrid::clone(&self.part), tool, passes: 0, trial_time: 0.0, first_row }
     }
 
     /// Simulates all passes with a tool in the given `states`. Returns the passes and the part after them.

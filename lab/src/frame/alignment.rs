@@ -55,19 +55,22 @@ impl Search<'_> {
         self.trials.iter().map(|trial| frame_offset.of_trial(trial)).collect()
     }
 
-    /// Moves the logs until the offset converges; returns zero offset if it never does.
+    /// Moves the logs until the offset converges. On coarse voxels it need only come within reach of the search on the
+    /// usual ones, and the last offset is returned if it does not; there, zero offset is.
     ///
     /// - `voxel`: voxel of the simulation; `None` takes the usual one
     fn settled(&self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
+        let is_rough = voxel.is_some();
+        let near = if is_rough { FRAME_REACH } else { FRAME_SETTLED };
         for _ in 0..MOST_MOVES {
             let shown = self.shown(&self.placed(place), voxel)?;
             let by = std::array::from_fn(|k| shown[k] - place[k]);
-            if self.arms.way(by) <= FRAME_SETTLED || !(self.is_far(place) || self.is_far(shown)) {
+            if self.arms.way(by) <= near || !(self.is_far(place) || self.is_far(shown)) {
                 return Ok(shown);
             }
             place = shown;
         }
-        Ok([0.0; QUANTITIES])
+        Ok(if is_rough { place } else { [0.0; QUANTITIES] })
     }
 
     /// Offset of the logs, which may have been moved already, given the scans, beside a rough fit of the model, each
@@ -86,12 +89,15 @@ impl Search<'_> {
         let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
         let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
         let trials: Vec<&Trial> = trials.iter().collect();
-        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (evidence.logs_moved(), &trials));
+        let logs_moved = evidence.logs_moved();
+        let judged = |rivals: &[_]| Judged::new(linear.clone(), rivals, (logs_moved, &trials));
         // Rivals can only weaken the evidence for an offset.
         let without = judged(&[]).place;
         if without == [0.0; QUANTITIES] {
             return Ok(without);
         }
+        // A rough fit may pass through models that take more steps than a rival is given.
+        evidence.abandon_longer(&fit.model)?;
         Ok(judged(&rivals(&evidence, (self.model, &fit), self.library)?).place)
     }
 }

@@ -197,6 +197,10 @@ shared_struct! {
         low: f32,
         /// Travel known to be too high, relative to the base [voxels].
         high: f32,
+        /// Travel of the evaluation before, relative to the base [voxels].
+        before: f32,
+        /// Its excess force [N].
+        before_excess: f32,
         /// Longest next motion into the touched surface [voxels].
         stride: f32,
         /// Motion into the surface in the search for a force [voxels].
@@ -261,6 +265,10 @@ shared_struct! {
         path_position: f32,
         /// 1 if the tool has moved the distance allowed on this height field.
         is_far: u32,
+        /// Padding.
+        padding_a: u32,
+        /// Padding.
+        padding_b: u32,
     }
 }
 

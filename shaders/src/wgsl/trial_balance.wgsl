@@ -32,6 +32,7 @@ fn start_balance(damping: f32, mass: f32) {
     state.mass = mass;
     state.low = -FAR;
     state.high = FAR;
+    state.before = FAR;
     state.stride = FIRST_STRIDE / setup.voxel;
     state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
     state.evaluations = 0u;
@@ -54,6 +55,9 @@ fn rebase() {
     let shift = round(state.guess * SPLIT) / SPLIT;
     state.guess_base += shift;
     state.guess -= shift;
+    if state.before < FAR {
+        state.before -= shift;
+    }
     if state.low > -FAR {
         state.low -= shift;
     }
@@ -74,16 +78,28 @@ fn excess_force(force: f32) -> f32 {
     return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
-// Next travel: a Newton step, or without stiffness down to the surface and slightly into it; FAR without a surface.
+// Fall of the excess force per travel since the evaluation before, or `slope` if there is none or it does not fall.
+fn secant(excess: f32, slope: f32) -> f32 {
+    if state.before == FAR || state.before == state.guess {
+        return slope;
+    }
+    let seen = (state.before_excess - excess) / (state.guess - state.before);
+    return select(slope, seen, seen > 0.0 && seen < FAR);
+}
+
+// Next travel: a Newton or secant step, or without stiffness down to the surface and slightly into it; FAR without a
+// surface.
 fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let dt = state.dt;
     let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
     let guess = state.guess;
     let slope = state.end_weight * stiffness + drag;
     if slope > 0.0 {
-        let newton = guess + excess / slope;
+        let next = guess + excess / secant(excess, slope);
+        state.before = guess;
+        state.before_excess = excess;
         state.stride *= 4.0;
-        return select(max(newton, guess - state.stride), newton, state.low > -FAR);
+        return select(max(next, guess - state.stride), next, state.low > -FAR);
     }
     if depth <= -FAR {
         return FAR;
@@ -114,7 +130,7 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     var guess = select(0.5 * (low + high), step, between);
     let least = -setup.search_reach - state.guess_base;
     if is_bad(guess) || guess < least {
-        // The first touch of a wide tool is so soft that Newton's step overshoots far below the balance.
+        // The first touch of a wide tool is so soft that the step overshoots far below the balance.
         if is_bad(guess) || high <= least {
             return NOTHING;
         }
@@ -131,15 +147,4 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     }
     rebase();
     return SEARCHING;
-}
-
-// Advances an admittance controller by one sample (semi-implicit Euler).
-fn sample_admittance() {
-    let dt = state.dt;
-    let mass = setup.mass;
-    let over = force_reading(state.end_force) - setup.force_setpoint;
-    let speed = (mass * state.speed + dt * over) / (mass + dt * setup.damping);
-    state.found_speed = speed;
-    state.guess = state.fine + dt * speed;
-    rebase();
 }

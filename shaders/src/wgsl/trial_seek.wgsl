@@ -81,6 +81,17 @@ fn is_sampled() -> bool {
     return state.controller == CONTROLLER_ADMITTANCE && state.dt <= period() * (1.0 + 1e-5);
 }
 
+// Advances an admittance controller by one sample (semi-implicit Euler).
+fn sample_admittance() {
+    let dt = state.dt;
+    let mass = setup.mass;
+    let over = force_reading(state.end_force) - setup.force_setpoint;
+    let speed = (mass * state.speed + dt * over) / (mass + dt * setup.damping);
+    state.found_speed = speed;
+    state.guess = state.fine + dt * speed;
+    rebase();
+}
+
 fn plan_search() {
     state.guess_base = state.coarse;
     if state.controller == CONTROLLER_REPLAY {

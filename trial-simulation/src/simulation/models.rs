@@ -82,7 +82,7 @@ impl Simulation<'_> {
     ) -> Vec<Result<sim::gpu::Outcome, sim::gpu::GpuError>> {
         let trial = |&n: &usize| {
             // Before the first pass all runs have the same part, which the device then stores once.
-            let part = if pass == 1 { &self.part } else { &states[n].part };
+            let part = if pass == 1 { &*self.part } else { &states[n].part };
             sim::gpu::Trial { part, pass: self.next_pass(&models[n], &states[n]), tool: &states[n].tool }
         };
         let trials: Vec<sim::gpu::Trial> = alive.iter().map(trial).collect();
