@@ -1,7 +1,7 @@
 //! Levenberg-Marquardt fit of a model to data, within bounds. Nuisance degrees of freedom are part of the whitening, so
 //! every fit is joint.
 
-use std::ops::Range;
+mod steps;
 
 use effects::CompiledModel;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -9,20 +9,12 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::coordinates::{Bound, Coordinate, moved};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::uncertainty::ErrorTerms;
-use crate::criteria::{
-    FIT_CONVERGED_DELTA_CHI2, FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_CHI2_PER_DATUM, RESTART_DISTANCE,
-};
+use crate::criteria::{FIT_DERIVATIVES, FIT_STEPS, HUBER_CONSTANT, RESTART_CHI2_PER_DATUM, RESTART_DISTANCE};
 
 /// Damping: initial value, and factors after good and bad steps.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
-/// Least damping: below it, many tries would be needed to shorten a failed step.
-const LEAST_DAMPING: f64 = 1e-5;
-/// Range of the actual over the predicted fall of χ² in which the derivatives are kept.
-const KEPT_OF_PROMISE: Range<f64> = 0.5..2.0;
 /// Longest step [coordinates].
 const LONGEST_MOVE: f64 = 1.5;
-/// Most lengths tried for one step.
-const TRIES: usize = 3;
 
 /// Cost limits of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,17 +71,6 @@ impl Place {
     pub(super) fn distance(&self, other: &Self) -> f64 {
         self.residuals.iter().zip(&other.residuals).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
-}
-
-/// Outcome of an attempt to improve a fit.
-enum Step {
-    /// χ² fell.
-    Better {
-        /// Fall of χ² that the derivatives predicted.
-        promised: f64,
-    },
-    /// No step is worth its cost.
-    None,
 }
 
 /// Estimate of one parameter.
@@ -170,36 +151,6 @@ impl Fit {
         Self { error_terms: Some(error_terms), ..fit }
     }
 
-    /// Takes steps until none is worth its cost. Existing derivatives are used first; those of a converged fit are as
-    /// good as new ones.
-    pub(super) fn stepped(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
-        let mut damping = DAMPING.0;
-        let mut left = options.derivatives;
-        let mut fresh = std::mem::take(&mut self.converged);
-        let mut known = self.jacobian.iter().any(|derivative| *derivative != 0.0);
-        for _ in 0..options.steps {
-            if !known {
-                if left == 0 {
-                    break;
-                }
-                self.renew_derivatives(evidence);
-                (left, fresh) = (left - 1, true);
-            }
-            let before = self.chi2;
-            match self.improve(evidence, &mut damping) {
-                Step::Better { promised } => {
-                    (known, fresh) = (KEPT_OF_PROMISE.contains(&((before - self.chi2) / promised)), false);
-                }
-                Step::None if fresh => {
-                    self.converged = true;
-                    break;
-                }
-                Step::None => known = false,
-            }
-        }
-        self
-    }
-
     /// Evaluates the same values on data that have changed slightly and may differ in number; derivatives are
     /// recomputed along the parameters.
     ///
@@ -274,31 +225,6 @@ impl Fit {
     pub fn column(&self, coordinate: &Coordinate) -> Option<DVector<f64>> {
         let place = self.coordinates.iter().position(|own| own.slot.name() == coordinate.slot.name())?;
         Some(self.jacobian.column(place).into_owned())
-    }
-
-    /// Takes one step that lowers χ². Each try updates the derivatives, also a failed one.
-    fn improve(&mut self, evidence: &dyn Evidence, damping: &mut f64) -> Step {
-        let worth = FIT_CONVERGED_DELTA_CHI2 * self.chi2_per_datum().max(1.0);
-        for _ in 0..TRIES {
-            let Some((at, promised)) = self.step(&self.residuals, *damping) else { return Step::None };
-            if promised < worth {
-                return Step::None;
-            }
-            if let Some(tried) = self.tried(evidence, at) {
-                let along = self.along_line(&tried).and_then(|place| self.tried(evidence, place));
-                let best = along.into_iter().fold(tried, |a, b| if b.chi2 < a.chi2 { b } else { a });
-                self.update_jacobian(&best);
-                if best.chi2 < self.chi2 {
-                    let kept = self.chi2 - best.chi2;
-                    *damping =
-                        if kept > 0.25 * promised { (DAMPING.1 * *damping).max(LEAST_DAMPING) } else { *damping };
-                    self.go_to(best);
-                    return Step::Better { promised };
-                }
-            }
-            *damping *= DAMPING.2;
-        }
-        Step::None
     }
 
     /// As [`Fit::place`], counting the simulation.
