@@ -20,9 +20,14 @@ Word = str | os.PathLike[str]
 
 
 def main() -> None:
-    """The entry point `robofin`: runs the command line of this process, and ends it."""
-    words = ["robofin", *sys.argv[1:]]
-    sys.exit(_robofin.run(words, Path(_robofin.__file__), START))
+    """The entry point `robofin`: runs the command line of this process, on a cluster if it names one, and ends it."""
+    words = sys.argv[1:]
+    if words[:1] == ["dataset"]:
+        from . import _on
+
+        if _on.is_meant(words):
+            sys.exit(_on.main(words))
+    sys.exit(_robofin.run(["robofin", *words], Path(_robofin.__file__), START))
 
 
 def run(*words: Word) -> Any:
@@ -49,6 +54,11 @@ def run(*words: Word) -> Any:
         return json.loads(answer)
     except json.JSONDecodeError:
         return [json.loads(line) for line in answer.splitlines() if line.strip()]
+
+
+def answers(answer: Any) -> list[dict[str, Any]]:
+    """An answer of `run` as a list of its lines."""
+    return answer if isinstance(answer, list) else [answer]
 
 
 def demo(out: Word = "out/demo", *, force: bool = False) -> Any:

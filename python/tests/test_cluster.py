@@ -1,6 +1,5 @@
 """Items on a Ray cluster of this machine: the bytes of one machine, whatever is killed."""
 
-import filecmp
 import importlib.util
 import os
 import signal
@@ -19,13 +18,9 @@ if not importlib.util.find_spec("ray"):
     pytest.skip("items on a cluster are NOT TESTED: ray is missing", allow_module_level=True)
 
 import ray
+from cluster_checks import IMAGES, PART, ROOT, SET, assert_same, descendants, files
 
 from robofin import cluster
-
-ROOT = Path(__file__).parents[2]
-SET = ["--per-part", "4", "--seed", "7", "--voxel-mm", "1", "--difficulty", "easy"]
-IMAGES = ["--workpieces", "panel", "--placements", "1", "--patterns", "spots", "--stages", "2", "--size", "64x48",
-          "--voxel-mm", "2"]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -35,18 +30,6 @@ def two_cores() -> Iterator[None]:
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
     yield
     ray.shutdown()
-
-
-def files(folder: Path) -> list[str]:
-    """Files below a folder, without locks and temporary ones."""
-    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*")
-                  if path.is_file() and not path.name.startswith("."))
-
-
-def assert_same(one: Path, other: Path) -> None:
-    """Both folders have the same files with the same bytes."""
-    assert files(one) and files(one) == files(other)
-    assert filecmp.cmpfiles(one, other, files(one), shallow=False)[1:] == ([], [])
 
 
 def kill_when(chosen: Callable[[], list[int]]) -> Thread:
@@ -61,16 +44,6 @@ def kill_when(chosen: Callable[[], list[int]]) -> Thread:
     thread = Thread(target=kill, daemon=True)
     thread.start()
     return thread
-
-
-def descendants(process: int) -> list[int]:
-    """A process and all that its threads started."""
-    try:
-        threads = list(Path(f"/proc/{process}/task").iterdir())
-        children = [child for thread in threads for child in (thread / "children").read_text().split()]
-    except OSError:
-        return []
-    return [process, *(each for child in children for each in descendants(int(child)))]
 
 
 def workers_with_a_program() -> list[int]:
@@ -115,15 +88,33 @@ def test_an_item_that_fails_is_reported_with_its_reason_and_the_others_are_made(
     assert (tmp_path / "a").exists() and (tmp_path / "c").exists()
 
 
+def test_items_wait_for_those_that_they_need_and_fail_with_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robofin._items.WINDOW", 3)
+
+    def make(item: str) -> None:
+        if item == "broken":
+            raise robofin.WrongUse("broken is refused")
+        time.sleep(0.5 if item == "base" else 0.0)
+        assert item == "base" or (tmp_path / "base").exists()
+        (tmp_path / item).touch()
+
+    items = ["base", "broken", *"abcde", "late"]
+    needs = {item: ["base"] for item in "abcde"} | {"late": ["a", "broken"]}
+    ended: list[tuple[int, int]] = []
+    failed = cluster.run_items(make, items, needs=needs, progress=lambda *counts: ended.append(counts))
+    assert failed == {"broken": "broken is refused", "late": "broken is refused"}
+    assert ended == [(count, 8) for count in range(1, 9)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b", "base", "c", "d", "e"]
+
+
 def test_a_data_set_has_the_bytes_of_one_machine_although_a_worker_is_killed(tmp_path: Path) -> None:
-    part = ROOT / "data/bracket.obj"
-    robofin.run("dataset", part, "--out", tmp_path / "one", *SET)
+    robofin.run("dataset", PART, "--out", tmp_path / "one", *SET)
     thread = kill_when(workers_with_a_program)
-    cluster.assets(part, out=tmp_path / "ray", flags=SET, shards=4)
+    cluster.assets(PART, out=tmp_path / "ray", flags=SET, shards=4)
     assert not thread.is_alive(), "a worker was killed while it made an item"
     assert_same(tmp_path / "one", tmp_path / "ray")
     before = {name: (tmp_path / "ray" / name).stat().st_mtime_ns for name in files(tmp_path / "ray")}
-    cluster.assets(part, out=tmp_path / "ray", flags=SET, shards=4)
+    cluster.assets(PART, out=tmp_path / "ray", flags=SET, shards=4)
     assert before == {name: (tmp_path / "ray" / name).stat().st_mtime_ns for name in files(tmp_path / "ray")}
 
 

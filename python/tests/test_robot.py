@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robofin
-from robofin.robot import ContactTool, MujocoTool
+from robofin.robot import ContactTool, MujocoTool, NewtonTool
 
 EXAMPLE = Path(__file__).parents[1] / "examples/robot_in_the_loop.py"
 #: Upper face of the plate of `field`, and a point in its middle [m].
@@ -21,6 +21,8 @@ STEP = 1e-3
 
 has_mujoco = importlib.util.find_spec("mujoco") is not None
 needs_mujoco = pytest.mark.skipif(not has_mujoco, reason="the adapter is NOT TESTED: mujoco is missing")
+needs_newton = pytest.mark.skipif(not importlib.util.find_spec("newton"),
+                                  reason="the adapter of Newton is NOT TESTED: newton is missing")
 needs_arm = pytest.mark.skipif(not (has_mujoco and importlib.util.find_spec("robosuite")),
                                reason="the example with an arm is NOT TESTED: mujoco or robosuite is missing")
 
@@ -173,6 +175,63 @@ def test_a_pad_on_a_slide_comes_to_rest_where_the_contact_carries_its_weight(fie
     assert wrench[2] == pytest.approx(weight, rel=1e-3) and np.abs(data.qvel).max() < 1e-6
     depth = 0.4 + TOP - (0.5 + data.qpos[0])
     assert depth == pytest.approx(weight / (stiffness() * np.pi * 8e-3**2), rel=5e-3)
+
+
+@needs_newton
+def test_a_pad_on_a_slide_of_newton_comes_to_rest_where_the_contact_carries_its_weight(field: robofin.Field) -> None:
+    import newton
+    import warp
+
+    builder = newton.ModelBuilder()
+    # The body hangs upside down, so that its frame and the tool's differ; the slide is vertical.
+    start, flip = 0.4 + TOP + 5e-4, warp.quat(1.0, 0.0, 0.0, 0.0)
+    body = builder.add_link(xform=warp.transform((0.23, -0.08, start + 0.02), flip), mass=2.0, com=(0.0, 0.0, 0.01),
+                            inertia=warp.mat33(np.eye(3) * 1e-3))
+    slide = builder.add_joint_prismatic(-1, body, axis=(0.0, 0.0, 1.0),
+                                        parent_xform=warp.transform((0.23, -0.08, start + 0.02), warp.quat_identity()),
+                                        child_xform=warp.transform((0.0, 0.0, 0.0), flip))
+    builder.add_articulation([slide])
+    model = builder.finalize(device="cpu")
+    solver, now, then = newton.solvers.SolverFeatherstone(model), model.state(), model.state()
+    newton.eval_fk(model, model.joint_q, model.joint_qd, now)
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    place = np.array([0.23, -0.08, 0.4]) - turn @ [0.03, 0.02, 0.0]
+    contact = sanding_tool(field, "pad:radius=8mm")
+    tool = NewtonTool(contact, model, body, at=(0.0, 0.0, 0.02), axes=np.diag([1.0, -1.0, -1.0]), position=place,
+                      rotation=turn)
+    for _ in range(2000):
+        now.clear_forces()
+        wrench = tool.step(now, STEP)
+        forces = now.body_f.numpy()
+        forces[body, 2] -= 150.0 * float(now.joint_qd.numpy()[0])
+        now.body_f.assign(forces)
+        solver.step(now, then, None, None, STEP)
+        now, then = then, now
+    weight = 2.0 * 9.81
+    assert wrench[2] == pytest.approx(weight, rel=1e-3) and abs(float(now.joint_qd.numpy()[0])) < 1e-5
+    depth = 0.4 + TOP - (float(now.body_q.numpy()[body, 2]) - 0.02)
+    # Newton keeps poses in 32 bits: 0.4 m to 3e-8 m.
+    assert depth == pytest.approx(weight / (stiffness() * np.pi * 8e-3**2), rel=5e-3)
+
+
+@needs_newton
+def test_a_wrench_at_a_tool_beside_the_centre_of_mass_is_moved_there(field: robofin.Field) -> None:
+    import newton
+    import warp
+
+    builder = newton.ModelBuilder()
+    depth, half = 2e-4, np.sqrt(0.5)
+    # A quarter turn about z: the body's x is the world's y. The centre of mass is 0.1 m ahead along it.
+    body = builder.add_body(xform=warp.transform((0.03, 0.02, TOP - depth), warp.quat(0.0, 0.0, half, half)), mass=1.0,
+                            com=(0.1, 0.0, 0.0), inertia=warp.mat33(np.eye(3)))
+    model = builder.finalize(device="cpu")
+    state = model.state()
+    wrench = NewtonTool(sanding_tool(field, "pad:radius=8mm"), model, body).step(state, STEP)
+    given = state.body_f.numpy()[body]
+    np.testing.assert_allclose(given[:3], wrench[:3], rtol=1e-6)
+    # From the centre of mass the tool lies 0.1 m along -y, so a force along +z turns about -x.
+    assert given[3] - wrench[3] == pytest.approx(-0.1 * wrench[2], rel=1e-4)
+    assert given[4:] == pytest.approx(wrench[4:], abs=1e-4)
 
 
 @needs_arm

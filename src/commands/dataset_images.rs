@@ -219,6 +219,7 @@ struct ImagesAnswer<'a> {
 #[derive(Serialize)]
 struct PlanAnswer<'a> {
     task: &'a str,
+    needs: Vec<String>,
     is_there: bool,
 }
 
@@ -235,7 +236,7 @@ pub(super) fn run(args: &ImagesArgs, console: &Console) -> Result<()> {
         console.step("split", format!("fewer than three {held}s: all images are for training, none for tests"));
     }
     if args.dry_run {
-        return report_plan(&steps, ImageSet::open(out).ok().as_ref(), console);
+        return report_plan(&recipe, &steps, ImageSet::open(out).ok().as_ref(), console);
     }
     let set = ImageSet::start(out, recipe, Occupied::resumed(args.resume))?;
     let summaries = make(&Run { set: &set, limits, jobs }, &steps, console)?;
@@ -320,12 +321,17 @@ fn chosen_looks(words: &[String]) -> Result<Vec<Look>> {
 }
 
 /// Reports the tasks without doing them.
-fn report_plan(steps: &[Vec<Task>; STEPS], set: Option<&ImageSet>, console: &Console) -> Result<()> {
+fn report_plan(
+    recipe: &ImageRecipe,
+    steps: &[Vec<Task>; STEPS],
+    set: Option<&ImageSet>,
+    console: &Console,
+) -> Result<()> {
     let mut missing = 0;
     for task in steps.iter().flatten() {
         let is_there = set.is_some_and(|set| task.is_there(set));
         missing += usize::from(!is_there);
-        console.answer_line(&PlanAnswer { task: task.id(), is_there })?;
+        console.answer_line(&PlanAnswer { task: task.id(), needs: task.needs(recipe), is_there })?;
     }
     let all: usize = steps.iter().map(Vec::len).sum();
     console.step("dry run", format!("{missing} tasks would be done, {} are done already", all - missing));

@@ -98,15 +98,15 @@ impl<M: Marker> Store<M> {
         }
         let store = Self::open(folder)?;
         check_writable(folder)?;
-        store.check_recipe(&recipe)
+        let store = store.check_recipe(&recipe)?;
+        // A copy through an object store lacks empty folders.
+        make_folders::<M>(folder)?;
+        Ok(store)
     }
 
     /// Marks an empty or new folder.
     fn begin(folder: &Path, recipe: M) -> Result<Self> {
-        for name in M::FOLDERS {
-            let place = folder.join(name);
-            fs::create_dir_all(&place).with_context(|| format!("{}: cannot make this folder", place.display()))?;
-        }
+        make_folders::<M>(folder)?;
         let store = Self { folder: folder.to_owned(), recipe };
         let _claim = store.claim_catalogue()?;
         remove_stale(folder, M::FILE)?;
@@ -242,14 +242,27 @@ fn is_unused<M: Marker>(folder: &Path) -> bool {
     })
 }
 
-/// Returns the names in a folder, sorted.
+/// Makes the folders of the items.
+fn make_folders<M: Marker>(folder: &Path) -> Result<()> {
+    for name in M::FOLDERS {
+        let place = folder.join(name);
+        fs::create_dir_all(&place).with_context(|| format!("{}: cannot make this folder", place.display()))?;
+    }
+    Ok(())
+}
+
+/// Returns the names in a folder, sorted; none if the folder is missing, as empty ones are in an object store.
 ///
 /// # Errors
 /// If it cannot be read.
 pub fn names(folder: &Path) -> Result<Vec<String>> {
     let context = || format!("{}: cannot be read", folder.display());
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder).with_context(context)? {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(names),
+        entries => entries.with_context(context)?,
+    };
+    for entry in entries {
         names.push(entry.with_context(context)?.file_name().to_string_lossy().into_owned());
     }
     names.sort();
@@ -333,6 +346,17 @@ mod tests {
         fs::remove_file(folder.join("words.json")).unwrap();
         fs::write(folder.join("thesis.txt"), "years of work").unwrap();
         assert!(refused("English", Occupied::Replace).contains("holds no words.json: it is not a word list"));
+    }
+
+    #[test]
+    fn a_store_without_its_empty_folders_is_continued() {
+        let place = tempfile::tempdir().unwrap();
+        start(place.path(), "English", Occupied::Refuse).unwrap();
+        let failures = place.path().join("failures");
+        fs::remove_dir(&failures).unwrap();
+        assert!(names(&failures).unwrap().is_empty());
+        start(place.path(), "English", Occupied::Resume).unwrap();
+        assert!(failures.is_dir());
     }
 
     #[test]

@@ -268,6 +268,12 @@ fn a_dry_run_names_everything_and_makes_nothing() {
     let ids: Vec<Value> = told.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     assert_eq!(ids.len(), 1 + 2 + 3 + IMAGES);
     assert!(ids.iter().all(|answer| answer["is_there"] == false) && !out.exists());
+    for (turn, answer) in ids.iter().enumerate() {
+        let is_before = |need: &Value| ids[..turn].iter().any(|other| other["task"] == *need);
+        assert!(answer["needs"].as_array().is_some_and(|needs| needs.iter().all(is_before)), "{answer}");
+    }
+    let needs = |answer: &Value| answer["needs"].as_array().map_or(0, Vec::len);
+    assert!(needs(&ids[0]) == 0 && ids.iter().map(needs).max() == Some(3), "a workpiece, a simulation and a view");
     let whole = run(robofin(["dataset", "images", "--dry-run", "--json", "--out"]).arg(&out)).succeeds();
     assert_eq!(whole.stdout.lines().count(), 6 + 36 + 24 + 768);
     let quick = robofin(["dataset", "images", "--quick", "--dry-run", "--json"]).current_dir(place.path()).output();
