@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec2, DVec3};
 use random::Stream;
 use render::{FIRST_OBSTACLE, FIRST_TOOL, Field, Material, Placement, Ray};
+use sdf_bake::grid::BRICK_VOXELS;
 use sdf_bake::{BrickGrid, Combine};
 use serde::{Deserialize, Serialize};
 
@@ -300,9 +301,10 @@ pub(crate) fn cluttered<'a>(part: &'a BrickGrid, scene: &Scene, meshes: &Clutter
     let Some(things) = things else { return Cow::Borrowed(part) };
     let mut all = united(part, &things);
     // A thing has no dose; where it touches the workpiece, its voxels must not thin the workpiece's.
-    for place in 0..all.dose.len() {
-        if let Some(own) = part.place(all.voxel_of(place)) {
-            all.dose[place] = part.dose[own];
+    for (dose, &brick) in all.dose.chunks_exact_mut(BRICK_VOXELS).zip(&all.bricks) {
+        let first = part.slot(brick) as usize * BRICK_VOXELS;
+        if let Some(own) = part.dose.get(first..first + BRICK_VOXELS) {
+            dose.copy_from_slice(own);
         }
     }
     Cow::Owned(all)

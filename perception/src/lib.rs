@@ -57,6 +57,6 @@ pub use shot::{SceneFiles, Shot, shoot};
 pub use shutter::ShutterDraw;
 pub use spatter::DropletDraw;
 pub use split::{Split, SplitBy, Treatment, balanced_pairs, interleaved};
-pub use table_draw::{TableDraw, TableType};
+pub use table_draw::TableDraw;
 pub use tool::{ToolDraw, ToolKind};
 pub use view::{Intrinsics, TOOL_INSTANCE, View, ViewFrame, VisibleTool, VisibleWeld, depth_steps, instances};

@@ -61,10 +61,9 @@ pub fn shoot(
     let whole = spattered(part, scene);
     let all = cluttered(&whole, scene, &files.meshes);
     let stage = stage(&all, scene, files.environment.as_ref());
-    // Unsanded and bare.
-    let others = [0.0, 1.0].map(|exposed| Appearance { exposed: Some(exposed), ..stage.appearance.clone() });
     let raster = Raster { width, height, samples_per_side: 1 };
-    let (frame, in_others) = stage.photograph_as(&others, &camera, &raster);
+    // Also unsanded and bare.
+    let (frame, in_others) = stage.photograph_exposed(&[0.0, 1.0], &camera, &raster);
     let exposure = exposure(&frame, scene.sensor.aim);
     let on_part = |pixel: usize| frame.seen[pixel] == VisibleObject::Part;
     let code = |colour: Vec3| -> Colour {

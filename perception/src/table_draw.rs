@@ -5,23 +5,11 @@ use random::Stream;
 use render::{Material, TableKind, TablePattern};
 use serde::{Deserialize, Serialize};
 
-/// Type of a table's top.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TableType {
-    /// Boards.
-    Wood,
-    /// Brushed sheet.
-    Steel,
-    /// Plain weave.
-    Cloth,
-}
-
 /// A table with a pattern, in place of the plain one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableDraw {
     /// Type.
-    pub kind: TableType,
+    pub kind: TableKind,
     /// Linear RGB; reflectance of steel.
     pub colour: DVec3,
     /// Roughness, 0 to 1.
@@ -38,20 +26,20 @@ pub struct TableDraw {
 
 impl TableDraw {
     pub(crate) fn draw(stream: &mut Stream) -> Self {
-        let kind = [TableType::Wood, TableType::Steel, TableType::Cloth][stream.below(3)];
+        let kind = TableKind::ALL[stream.below(TableKind::ALL.len())];
         let colour = match kind {
-            TableType::Wood => {
+            TableKind::Wood => {
                 let redness = stream.between([0.0, 1.0]);
                 DVec3::new(1.0, 0.68, 0.40).lerp(DVec3::new(1.0, 0.5, 0.28), redness)
                     * stream.ratio_between([0.06, 0.5])
             }
-            TableType::Steel => DVec3::new(1.0, 1.01, 1.03) * stream.between([0.25, 0.6]),
-            TableType::Cloth => DVec3::from_array(std::array::from_fn(|_| stream.ratio_between([0.02, 0.6]))),
+            TableKind::Steel => DVec3::new(1.0, 1.01, 1.03) * stream.between([0.25, 0.6]),
+            TableKind::Cloth => DVec3::from_array(std::array::from_fn(|_| stream.ratio_between([0.02, 0.6]))),
         };
         let (roughness, period_m, contrast) = match kind {
-            TableType::Wood => ([0.35, 0.8], [35e-3, 140e-3], [0.3, 0.7]),
-            TableType::Steel => ([0.2, 0.5], [0.2e-3, 0.8e-3], [0.1, 0.5]),
-            TableType::Cloth => ([0.85, 0.98], [0.6e-3, 4e-3], [0.2, 0.7]),
+            TableKind::Wood => ([0.35, 0.8], [35e-3, 140e-3], [0.3, 0.7]),
+            TableKind::Steel => ([0.2, 0.5], [0.2e-3, 0.8e-3], [0.1, 0.5]),
+            TableKind::Cloth => ([0.85, 0.98], [0.6e-3, 4e-3], [0.2, 0.7]),
         };
         Self {
             kind,
@@ -65,13 +53,9 @@ impl TableDraw {
     }
 
     pub(crate) fn pattern(self) -> TablePattern {
-        let (kind, metallic) = match self.kind {
-            TableType::Wood => (TableKind::Wood, 0.0),
-            TableType::Steel => (TableKind::Steel, 1.0),
-            TableType::Cloth => (TableKind::Cloth, 0.0),
-        };
+        let metallic = f32::from(u8::from(self.kind == TableKind::Steel));
         TablePattern {
-            kind,
+            kind: self.kind,
             material: Material { colour: self.colour.as_vec3(), roughness: self.roughness as f32, metallic },
             period: self.period_m as f32,
             turn: self.turn as f32,
@@ -88,11 +72,11 @@ mod tests {
     #[test]
     fn all_types_are_drawn_and_only_steel_is_a_metal() {
         let draws: Vec<TableDraw> = (0..60).map(|seed| TableDraw::draw(&mut Stream::of(seed, "table"))).collect();
-        for kind in [TableType::Wood, TableType::Steel, TableType::Cloth] {
+        for kind in TableKind::ALL {
             assert!(draws.iter().filter(|draw| draw.kind == kind).count() > 8, "{kind:?}");
         }
         for draw in draws {
-            assert_eq!(draw.pattern().material.metallic > 0.0, draw.kind == TableType::Steel);
+            assert_eq!(draw.pattern().material.metallic > 0.0, draw.kind == TableKind::Steel);
             assert!(draw.colour.min_element() > 0.0 && draw.colour.max_element() < 0.7);
         }
     }

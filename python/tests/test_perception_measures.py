@@ -10,6 +10,7 @@ import torch
 
 from robofin_perception.baselines import otsu, prefers_brighter, threshold, whole
 from robofin_perception.data import Example, open_example, read_split
+from robofin_perception.differences import Noise, difference
 from robofin_perception.metrics import Counts, count, summarise
 from robofin_perception.models import Segmenter, UNet
 from robofin_perception.training import loss_parts
@@ -49,6 +50,34 @@ def test_the_interval_draws_groups_and_not_images() -> None:
     mixed = summarise([right, wrong, right, wrong], ["a", "a", "b", "b"])
     parted = summarise([right, right, wrong, wrong], ["a", "a", "b", "b"])
     assert (mixed.low, mixed.high) == (0.5, 0.5) and (parted.low, parted.high) == (0.0, 1.0)
+
+
+def test_the_noise_of_training_is_pooled_over_rows_and_needs_two_seeds() -> None:
+    assert Noise.of([[0.5], [0.6], []]) is None
+    # Squares about their means: 2 * 0.01² and 2 * 0.03², with one degree of freedom each.
+    noise = Noise.of([[0.49, 0.51], [0.57, 0.63], [0.9]])
+    assert noise is not None and noise.freedom == 2
+    assert noise.deviation == pytest.approx((0.002 / 2) ** 0.5)
+
+
+def test_a_difference_is_paired_by_image_and_its_interval_draws_groups_and_the_noise_of_training() -> None:
+    random = np.random.default_rng(3)
+    groups = {f"{group}-{image}": f"{group}" for group in range(30) for image in range(4)}
+    hard = {name: float(random.uniform(0.1, 0.7)) for name in groups}
+    gain = {name: 0.05 + 0.02 * np.sin(int(group)) for name, group in groups.items()}
+    better = [{name: hard[name] + gain[name] + shift for name in groups} for shift in (-0.001, 0.001)]
+    still = Noise(1e-9, 4)
+    found = difference(better, [hard], groups, still)
+    expected = float(np.mean(list(gain.values())))
+    assert found.mean == pytest.approx(expected) and found.low is not None and found.high is not None
+    # Hard and easy images cancel: the interval is that of the gains of 30 groups, not of 120 images.
+    error = 1.96 * np.std([gain[f"{group}-0"] for group in range(30)]) / 30**0.5
+    assert found.high - found.low == pytest.approx(2 * error, rel=0.15)
+    wide = difference(better, [hard], groups, Noise(0.05, 4))
+    # Student's 2.78 for four degrees of freedom; two seeds against one.
+    assert wide.low is not None and wide.high is not None
+    assert wide.high - wide.low == pytest.approx(2 * 2.78 * 0.05 * 1.5**0.5, rel=0.15)
+    assert difference(better, [hard], groups, None).low is None
 
 
 def test_otsu_parts_two_grey_values_and_the_training_images_choose_the_side() -> None:

@@ -23,11 +23,11 @@ pub struct Deposit {
 }
 
 impl Deposit {
-    /// Lays the layer over a surface at a point [m]; `facing_up`: cosine of the angle between its normal and the
+    /// Share of the layer on a surface at a point [m]; `facing_up`: cosine of the angle between its normal and the
     /// vertical.
     #[inline(always)]
-    pub(crate) fn over(&self, under: Blend, point: Vec3, facing_up: f32) -> Blend {
-        self.laid(under, self.share(point, self.cover) * facing_up.max(0.0))
+    pub(crate) fn share_on(&self, point: Vec3, facing_up: f32) -> f32 {
+        self.share(point, self.cover) * facing_up.max(0.0)
     }
 
     /// Share of the layer at a point [m] where its spots have this mean cover.
@@ -53,7 +53,7 @@ mod tests {
     fn dust_lies_in_spots_on_what_faces_up() {
         let dust = Deposit { material: PRIMER, cover: 0.5, period: 5e-3, offset: Vec3::splat(3.3) };
         let bare = Blend { material: GROUND_STEEL, ground: 1.0 };
-        let ground = |point: Vec3, up: f32| dust.over(bare, point, up).ground;
+        let ground = |point: Vec3, up: f32| dust.laid(bare, dust.share_on(point, up)).ground;
         let places = || (0..2000).map(|i| Vec3::new(1.3e-4, 0.9e-4, 0.4e-4) * i as f32);
         assert!(places().all(|point| ground(point, 0.0) == 1.0 && ground(point, -0.7) == 1.0));
         let mean = places().map(|point| 1.0 - ground(point, 1.0)).sum::<f32>() / 2000.0;

@@ -57,7 +57,7 @@ impl FusionLine {
     }
 
     /// Distance of a point [m] from the nearest line [m]; infinite beyond 40 mm.
-    #[inline]
+    #[inline(always)]
     pub fn distance(&self, point: Vec3) -> f32 {
         let low = ((point - self.low) / self.pitch).floor();
         let corner = IVec3::new(integer(low.x), integer(low.y), integer(low.z));
@@ -83,41 +83,48 @@ impl FusionLine {
 
     /// Gives every node its nearest point: from the points to the nodes beside them, then in two sweeps.
     fn spread(&mut self) {
+        let mut squares = vec![f32::INFINITY; self.nearest.len()];
         for at in 0..self.points.len() {
             let corner = ((self.points[at] - self.low) / self.pitch).floor().as_ivec3();
             for i in 0..8 {
-                self.offer(corner + IVec3::new(i >> 2, i >> 1 & 1, i & 1), at as u32);
+                self.offer(&mut squares, corner + IVec3::new(i >> 2, i >> 1 & 1, i & 1), at as u32);
             }
         }
-        let [x, y, z] = self.dims.to_array();
-        let nodes = || (0..x * y * z).map(move |i| IVec3::new(i / (y * z), i / z % y, i % z));
-        // The 13 neighbours that precede a node in the order of the sweep.
-        let before: Vec<IVec3> = (0..13).map(|i| IVec3::new(i / 9, i / 3 % 3, i % 3) - 1).collect();
-        for node in nodes() {
-            before.iter().for_each(|step| self.learn(node, *step));
-        }
-        for node in nodes().rev() {
-            before.iter().for_each(|step| self.learn(node, -*step));
+        let IVec3 { x, y, .. } = self.dims;
+        let rows = || (0..x).flat_map(move |x| (0..y).map(move |y| (x, y)));
+        rows().for_each(|row| self.sweep(&mut squares, row, 1));
+        rows().rev().for_each(|row| self.sweep(&mut squares, row, -1));
+    }
+
+    /// Offers the nodes of a row the points of the 13 neighbours that precede each in the order of the sweep.
+    /// `ahead`: 1 for the sweep upwards, -1 for the one back; `squares`: squared distances of the nearest points.
+    fn sweep(&mut self, squares: &mut [f32], (x, y): (i32, i32), ahead: i32) {
+        let IVec3 { z: count, .. } = self.dims;
+        let within = |(x, y): &(i32, i32)| (0..self.dims.x).contains(x) && (0..self.dims.y).contains(y);
+        let beside = [(-1, -1), (-1, 0), (-1, 1), (0, -1)].map(|(dx, dy)| (x + ahead * dx, y + ahead * dy));
+        let rows: Vec<usize> = beside.into_iter().filter(within).map(|(x, y)| self.node(IVec3::new(x, y, 0))).collect();
+        let (mut z, mut before) = (if ahead > 0 { 0 } else { count - 1 }, NONE);
+        while (0..count).contains(&z) {
+            let at = IVec3::new(x, y, z);
+            for row in &rows {
+                for z in [z - ahead, z, z + ahead].into_iter().filter(|z| (0..count).contains(z)) {
+                    self.offer(squares, at, self.nearest[row + z as usize]);
+                }
+            }
+            self.offer(squares, at, before);
+            before = self.nearest[self.node(at)];
+            z += ahead;
         }
     }
 
-    /// Offers the point of a neighbour to a node.
-    fn learn(&mut self, node: IVec3, step: IVec3) {
-        let other = node + step;
-        if other.cmpge(IVec3::ZERO).all() && other.cmplt(self.dims).all() {
-            let known = self.nearest[self.node(other)];
-            if known != NONE {
-                self.offer(node, known);
-            }
+    fn offer(&mut self, squares: &mut [f32], node: IVec3, candidate: u32) {
+        let place = self.node(node);
+        if candidate == NONE || candidate == self.nearest[place] {
+            return;
         }
-    }
-
-    fn offer(&mut self, node: IVec3, candidate: u32) {
-        let (place, at) = (self.node(node), self.position(node));
-        let away =
-            |point: u32| self.points.get(point as usize).map_or(f32::INFINITY, |point| point.distance_squared(at));
-        if away(candidate) < away(self.nearest[place]) {
-            self.nearest[place] = candidate;
+        let square = self.points[candidate as usize].distance_squared(self.position(node));
+        if square < squares[place] {
+            (self.nearest[place], squares[place]) = (candidate, square);
         }
     }
 }

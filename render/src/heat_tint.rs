@@ -44,6 +44,7 @@ impl HeatTint {
 
     /// Thickness of the film [m] at a point [m], `distance` [m] from the fusion line. The exponential stands for the
     /// fall of the peak temperature away from a weld (Adams 1958) and the growth of oxide, which rises with it.
+    #[inline(always)]
     pub(crate) fn thickness(&self, point: Vec3, distance: f32) -> f32 {
         let variation = (VARIATION * noise_at(point / PERIOD + Vec3::splat(5.1))).exp();
         self.thickest * variation * (-distance / self.decay).exp()
@@ -51,6 +52,7 @@ impl HeatTint {
 
     /// Reflectance relative to bare metal of a film `thickness` [m] thick, linear RGB. `cosine`: of the angle between
     /// normal and view; refraction shortens the path by the cosine in the film (Born & Wolf 1959, section 7.6).
+    #[inline(always)]
     pub(crate) fn colour(&self, thickness: f32, cosine: f32) -> Vec3 {
         let index = OXIDE.x as f32;
         let within = (1.0 - (1.0 - cosine * cosine) / (index * index)).max(0.0).sqrt();

@@ -49,20 +49,23 @@ impl Index {
     pub(crate) fn new(grid: &BrickGrid, metal: &[Blocks]) -> Self {
         let dims = grid.dims.as_uvec3();
         let (y, z) = (dims.y as usize + 2, dims.z as usize + 2);
-        let far = Entry { slot: OUTSIDE, to_metal: UNKNOWN, to_brick: UNKNOWN };
-        let mut index = Self { entries: vec![far; (dims.x as usize + 2) * y * z], dims, steps: [y * z, z, 1] };
-        let rows: Vec<usize> = index.rows().collect();
+        let count = (dims.x as usize + 2) * y * z;
+        let mut index = Self { entries: Vec::new(), dims, steps: [y * z, z, 1] };
+        let (mut slots, mut to_metal, mut to_brick) =
+            (vec![OUTSIDE; count], vec![UNKNOWN; count], vec![UNKNOWN; count]);
         let columns = (0..grid.dims.x).flat_map(|x| (0..grid.dims.y).map(move |y| (x, y)));
-        for (&row, (x, y)) in rows.iter().zip(columns) {
-            for (entry, slot) in index.entries[row..].iter_mut().zip(grid.index.row(x, y)) {
-                let free = |is_free: bool| if is_free { UNKNOWN } else { 0 };
-                let has_metal = slot != OUTSIDE && (slot == INSIDE || metal[slot as usize].0 != 0);
-                *entry = Entry { slot, to_metal: free(!has_metal), to_brick: free(slot == OUTSIDE) };
+        for (row, (x, y)) in index.rows().zip(columns) {
+            for (place, slot) in (row..).zip(grid.index.row(x, y)).filter(|(_, slot)| *slot != OUTSIDE) {
+                let has_metal = slot == INSIDE || metal[slot as usize].0 != 0;
+                (slots[place], to_brick[place]) = (slot, 0);
+                to_metal[place] = if has_metal { 0 } else { UNKNOWN };
             }
         }
-        index.sweep(rows.iter().flat_map(|&row| row..row + dims.z as usize), |place, step| place - step);
-        index.sweep(rows.iter().rev().flat_map(|&row| (row..row + dims.z as usize).rev()), |place, step| place + step);
-        index.entries.iter_mut().filter(|entry| entry.to_brick == UNKNOWN).for_each(|entry| *entry = BEYOND);
+        [&mut to_metal, &mut to_brick].into_iter().for_each(|distances| index.spread(distances));
+        let distances = to_metal.into_iter().zip(to_brick);
+        let entry = |(slot, (to_metal, to_brick))| Entry { slot, to_metal, to_brick };
+        let swept = |entry: Entry| if entry.to_brick == UNKNOWN { BEYOND } else { entry };
+        index.entries = slots.into_iter().zip(distances).map(entry).map(swept).collect();
         index
     }
 
@@ -77,17 +80,19 @@ impl Index {
         (1..=dims.x).flat_map(move |i| (1..=dims.y).map(move |j| i * x + j * y + z))
     }
 
-    /// Sets each distance to at most one more than the least of the 13 neighbours that the sweep has passed.
-    fn sweep(&mut self, places: impl Iterator<Item = usize>, back: impl Fn(usize, usize) -> usize) {
-        let [x, y, z] = self.steps;
-        let plane = [x - y - z, x - y, x - y + z, x - z, x, x + z, x + y - z, x + y, x + y + z];
-        for place in places {
-            let near = plane.into_iter().chain([y - z, y, y + z, z]).map(|step| self.entries[back(place, step)]);
-            let Entry { to_metal, to_brick, .. } = self.entries[place];
-            let (metal, brick) =
-                near.fold((MOST_FREE - 1, MOST_FREE - 1), |(m, b), near| (m.min(near.to_metal), b.min(near.to_brick)));
-            let entry = &mut self.entries[place];
-            (entry.to_metal, entry.to_brick) = (to_metal.min(metal + 1), to_brick.min(brick + 1));
+    /// Spreads the distances from their zeros, in a sweep along the rows and one back.
+    fn spread(&self, distances: &mut [u8]) {
+        let [x, y, _] = self.steps;
+        let passed = [x + y, x, x - y, y];
+        let mut least = vec![0; self.dims.z as usize];
+        let rows: Vec<usize> = self.rows().collect();
+        for &row in &rows {
+            nearest_of(distances, &mut least, passed.map(|step| row - step));
+            lower(distances[row..].iter_mut().zip(&least));
+        }
+        for &row in rows.iter().rev() {
+            nearest_of(distances, &mut least, passed.map(|step| row + step));
+            lower(distances[row..row + least.len()].iter_mut().zip(&least).rev());
         }
     }
 
@@ -115,6 +120,25 @@ impl Index {
     #[inline]
     pub(crate) fn slot(&self, place: usize) -> u32 {
         self.entries[place].slot
+    }
+}
+
+/// Least distance among the entries of other rows beside each entry of a row, up to one step along it.
+fn nearest_of(distances: &[u8], least: &mut [u8], rows: [usize; 4]) {
+    least.fill(MOST_FREE - 1);
+    for first in rows.into_iter().flat_map(|row| [row - 1, row, row + 1]) {
+        for (least, near) in least.iter_mut().zip(&distances[first..]) {
+            *least = (*least).min(*near);
+        }
+    }
+}
+
+/// Sets each distance of a row to at most one more than the least beside it and the one before it.
+fn lower<'d>(row: impl Iterator<Item = (&'d mut u8, &'d u8)>) {
+    let mut before = UNKNOWN;
+    for (distance, least) in row {
+        *distance = (*distance).min((*least).min(before) + 1);
+        before = *distance;
     }
 }
 

@@ -81,6 +81,7 @@ mod table_pattern;
 mod text;
 mod texture;
 mod tile;
+mod tile_finish;
 mod trace;
 mod view;
 mod walk;

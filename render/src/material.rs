@@ -67,8 +67,6 @@ pub struct Appearance {
     pub primer: Option<Material>,
     /// Variation of all materials of the part. On the CPU only.
     pub texture: Option<Texture>,
-    /// Share of exposed metal everywhere, 0 to 1, instead of min(D, 1). On the CPU only.
-    pub exposed: Option<f32>,
     /// Oxides of the metal. On the CPU only.
     pub oxides: Oxides,
 }
@@ -84,7 +82,6 @@ impl Default for Appearance {
             ground_depth: 5e-6,
             primer: None,
             texture: None,
-            exposed: None,
             oxides: Oxides::default(),
         }
     }
@@ -108,6 +105,10 @@ pub(crate) struct MaterialLanes {
 }
 
 impl MaterialLanes {
+    /// Black in all lanes.
+    pub(crate) const NONE: Self =
+        Self { colour: Points::ZERO, roughness: [0.0; LANES], metallic: [0.0; LANES], ground: [0.0; LANES] };
+
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, Blend { material, ground }: Blend) {
         self.colour.set(lane, material.colour);
@@ -128,64 +129,73 @@ impl MaterialLanes {
 }
 
 impl Appearance {
-    /// Mixes coated and exposed appearance by min(D, 1), through a primer if there is one. Exposed metal is ground where
-    /// a tool has removed metal or coating, otherwise base or weld metal.
+    /// Mixes coated and exposed appearance, through a primer if there is one.
     ///
-    /// - `weld_share`, `dose`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
+    /// - `bare`: [`Appearance::bare`], perhaps with oxides
+    /// - `exposed`: shares of exposed metal, 0 to 1
+    /// - `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
     #[inline(always)]
-    pub(crate) fn blends(&self, weld_share: &Lanes, dose: &Lanes, removed: &Lanes) -> MaterialLanes {
-        let none = [0.0; LANES];
-        let mut blends = MaterialLanes { colour: Points::ZERO, roughness: none, metallic: none, ground: none };
+    pub(crate) fn blends(&self, bare: &MaterialLanes, exposed: &Lanes, removed: &Lanes) -> MaterialLanes {
+        let mut blends = MaterialLanes::NONE;
         // The choice holds for all lanes, so it is made once.
         match self.coating {
-            None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(weld_share[i], removed[i], as_it_is))),
-            Some(coating) => {
-                (0..LANES).for_each(|i| blends.set(i, self.coated(coating, (dose[i], removed[i]), as_it_is)));
-            }
+            None => (0..LANES).for_each(|i| blends.set(i, self.uncoated(bare.get(i), removed[i]))),
+            Some(coating) => (0..LANES).for_each(|i| blends.set(i, self.coated(coating, bare.blend(i), exposed[i]))),
         }
         blends
     }
 
-    /// [`Appearance::blends`] of one sample, with `cover` over its bare metal.
-    pub(crate) fn covered(
-        &self,
-        (weld_share, dose, removed): (f32, f32, f32),
-        cover: impl Fn(Blend) -> Blend + Copy,
-    ) -> Blend {
-        match self.coating {
-            None => self.uncoated(weld_share, removed, cover),
-            Some(coating) => self.coated(coating, (dose, removed), cover),
-        }
-    }
-
+    /// Metal without a coating: below one it is ground where a tool has removed metal or coating.
+    ///
+    /// - `weld_share`, `removed`: as in [`Samples`](super::gbuffer_lanes::Samples)
     #[inline(always)]
-    fn uncoated(&self, weld_share: f32, removed: f32, cover: impl Fn(Blend) -> Blend) -> Blend {
-        let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share);
-        let ground = smooth_step(0.0, self.ground_depth, removed);
-        let Blend { material, .. } = cover(Blend { material: self.metal.mixed(self.weld, weld), ground: 0.0 });
-        Blend { material: material.mixed(self.ground, ground), ground }
-    }
-
-    #[inline(always)]
-    fn coated(&self, coating: Material, (dose, removed): (f32, f32), cover: impl Fn(Blend) -> Blend) -> Blend {
-        let exposed = self.exposed.unwrap_or(dose.clamp(0.0, 1.0));
-        let (bottom, metal) = match self.primer {
-            None => (coating, exposed),
-            Some(primer) => {
-                let through = smooth_step(PRIMER_FROM.0, PRIMER_FROM.1, exposed);
-                (coating.mixed(primer, through), smooth_step(METAL_FROM.0, METAL_FROM.1, exposed))
+    pub(crate) fn bare(&self, weld_share: &Lanes, removed: &Lanes) -> MaterialLanes {
+        let mut bare = MaterialLanes::NONE;
+        if self.coating.is_some() {
+            for i in 0..LANES {
+                // An orbital pad marks all metal that it lays bare.
+                let ground = if self.marks.orbit.is_some() { 1.0 } else { self.ground_share(removed[i]) };
+                bare.set(i, Blend { material: self.ground, ground });
             }
+        } else {
+            for i in 0..LANES {
+                let weld = smooth_step(WELD_BORDER.0, WELD_BORDER.1, weld_share[i]);
+                bare.set(i, Blend { material: self.metal.mixed(self.weld, weld), ground: 0.0 });
+            }
+        }
+        bare
+    }
+
+    /// True if some metal can be seen where the coating has this dose.
+    #[inline(always)]
+    pub(crate) fn shows_metal(&self, dose: f32) -> bool {
+        self.coating.is_none() || self.metal_share(dose.clamp(0.0, 1.0)) > 0.0
+    }
+
+    /// Share of metal that is visible through the primer.
+    #[inline(always)]
+    fn metal_share(&self, exposed: f32) -> f32 {
+        if self.primer.is_some() { smooth_step(METAL_FROM.0, METAL_FROM.1, exposed) } else { exposed }
+    }
+
+    #[inline(always)]
+    fn ground_share(&self, removed: f32) -> f32 {
+        smooth_step(0.0, self.ground_depth, removed)
+    }
+
+    #[inline(always)]
+    fn uncoated(&self, bare: Material, removed: f32) -> Blend {
+        let ground = self.ground_share(removed);
+        Blend { material: bare.mixed(self.ground, ground), ground }
+    }
+
+    #[inline(always)]
+    fn coated(&self, coating: Material, bare: Blend, exposed: f32) -> Blend {
+        let bottom = match self.primer {
+            None => coating,
+            Some(primer) => coating.mixed(primer, smooth_step(PRIMER_FROM.0, PRIMER_FROM.1, exposed)),
         };
-        // An orbital pad marks all metal that it lays bare.
-        let ground = if self.marks.orbit.is_some() { 1.0 } else { smooth_step(0.0, self.ground_depth, removed) };
-        let bare = Blend { material: self.ground, ground };
-        let bare = if metal > 0.0 { cover(bare) } else { bare };
+        let metal = self.metal_share(exposed);
         Blend { material: bottom.mixed(bare.material, metal), ground: bare.ground * metal }
     }
-}
-
-/// Leaves bare metal without a cover.
-#[inline(always)]
-fn as_it_is(bare: Blend) -> Blend {
-    bare
 }

@@ -47,6 +47,7 @@ pub(crate) struct OxidePlace {
 
 impl Crust {
     /// Share of the metal that it hides.
+    #[inline(always)]
     fn share(&self, place: &OxidePlace) -> f32 {
         let cover = self.spots.cover + self.near_weld * (-place.distance / self.decay).exp();
         MOST_HIDDEN * self.spots.share(place.point, cover.clamp(0.0, 1.0))
@@ -54,11 +55,13 @@ impl Crust {
 }
 
 impl Oxides {
+    #[inline(always)]
     pub(crate) fn is_none(&self) -> bool {
         self.heat_tint.is_none() && self.scale.is_none() && self.rust.is_none()
     }
 
     /// Covers bare metal.
+    #[inline(always)]
     pub(crate) fn over(&self, mut bare: Blend, place: &OxidePlace) -> Blend {
         let left = 1.0 - ((place.dose - 1.0) / WORN).clamp(0.0, 1.0);
         if let Some(tint) = &self.heat_tint {

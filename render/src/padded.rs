@@ -94,16 +94,18 @@ impl Padded {
             .flat_map(|x| (-1..grid.dims.y).flat_map(move |y| (-1..grid.dims.z).map(move |z| IVec3::new(x, y, z))));
         for brick in bricks {
             let place = index.place(brick).expect("a brick of the index");
-            let entry = index.entry(brick);
+            let entry = index.at(place);
+            if entry.to_brick > 1 {
+                padded.sites[place] = Site { to_metal: entry.to_metal, to_brick: entry.to_brick, ..none };
+                continue;
+            }
             let corners = [0, z, y, y + z, x, x + z, x + y, x + y + z].map(|step| index.slot(place + step));
             let label = common(corners.map(|slot| labels.get(slot as usize).copied().unwrap_or(Some(0))));
             let is_plain = corners.iter().all(|&slot| plain.get(slot as usize).is_none_or(|is_plain| *is_plain));
             let first = match corners {
                 [OUTSIDE, ..] if corners == [OUTSIDE; 8] => 0,
-                [INSIDE, ..] if corners == [INSIDE; 8] => {
-                    padded.near.push((brick, Blocks(u64::MAX)));
-                    VOXELS
-                }
+                // No need among those that cast a shadow: a ray from here meets the surface in another brick.
+                [INSIDE, ..] if corners == [INSIDE; 8] => VOXELS,
                 _ => padded.push(field, brick),
             };
             padded.sites[place] =

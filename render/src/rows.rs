@@ -19,7 +19,7 @@ pub(crate) struct Rows<'a, const N: usize> {
     dose: &'a mut [f32],
     removed: &'a mut [f32],
     seen: &'a mut [VisibleObject],
-    /// Colours in the other appearances.
+    /// Colours with set shares of exposed metal.
     colours: &'a mut [[Vec3; N]],
 }
 
@@ -47,8 +47,8 @@ impl<'a, const N: usize> Rows<'a, N> {
         )
     }
 
-    /// Writes a tile. `x`: its first column; `light`: in the scene's appearance; `others`: on the part, in the other
-    /// appearances.
+    /// Writes a tile. `x`: its first column; `light`: by the dose; `others`: on the part, with set shares
+    /// of exposed metal.
     pub(crate) fn put(&mut self, x: usize, samples: &Samples, (light, others): (&Points, &[Points; N])) {
         let (rows, columns) = ((self.colour.len() / self.width).min(TILE), (self.width - x).min(TILE));
         for row in 0..rows {

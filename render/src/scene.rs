@@ -89,12 +89,11 @@ impl Default for Raster {
 impl<'a> Scene<'a> {
     /// Returns the first thing in the scene that only the CPU can photograph.
     pub(crate) fn only_on_the_cpu(&self) -> Option<&'static str> {
-        let Appearance { marks, primer, texture, exposed, oxides, .. } = &self.appearance;
+        let Appearance { marks, primer, texture, oxides, .. } = &self.appearance;
         let found = [
             ("marks of an orbital pad", marks.orbit.is_some()),
             ("a primer", primer.is_some()),
             ("a texture", texture.is_some() || self.table.is_some_and(|table| table.texture.is_some())),
-            ("a set share of exposed metal", exposed.is_some()),
             ("oxides", !oxides.is_none()),
             ("a luminous panel", !self.lights.panels.is_empty()),
             ("a thing that is no part", !self.obstacles.is_empty() || !self.tool.is_empty()),
@@ -132,7 +131,7 @@ impl<'a> Scene<'a> {
 
     /// Photographs the scene, tiles of pixels in parallel. Colour is linear light before the [`Sensor`](super::Sensor).
     pub fn photograph(&self, camera: &Camera, raster: &Raster) -> Frame {
-        self.photograph_as(&[], camera, raster).0
+        self.photograph_exposed(&[], camera, raster).0
     }
 
     /// [`Scene::photograph`] into an earlier frame, so that a series of pictures reuses its memory.
@@ -140,24 +139,24 @@ impl<'a> Scene<'a> {
         self.expose(&[], camera, raster, (frame, &mut vec![[]; raster.width * raster.height]));
     }
 
-    /// [`Scene::photograph`], with the colour of each pixel on the part also in `N` other appearances, black elsewhere.
-    /// Geometry and light visibility are computed once.
-    pub fn photograph_as<const N: usize>(
+    /// [`Scene::photograph`], and the colour of each pixel on the part with `N` set shares of exposed metal, 0 to 1, in
+    /// place of min(D, 1); black elsewhere. All that does not depend on the share is computed once.
+    pub fn photograph_exposed<const N: usize>(
         &self,
-        others: &[Appearance; N],
+        exposed: &[f32; N],
         camera: &Camera,
         raster: &Raster,
     ) -> (Frame, Vec<[Vec3; N]>) {
         let mut frame = Frame::empty(0, 0);
         let mut colours = vec![[Vec3::ZERO; N]; raster.width * raster.height];
-        self.expose(others, camera, raster, (&mut frame, &mut colours));
+        self.expose(exposed, camera, raster, (&mut frame, &mut colours));
         (frame, colours)
     }
 
-    /// Fills the whole frame, and the colours in the other appearances.
+    /// Fills the whole frame, and the colours with set shares of exposed metal.
     fn expose<const N: usize>(
         &self,
-        others: &[Appearance; N],
+        exposed: &[f32; N],
         camera: &Camera,
         raster: &Raster,
         (frame, colours): (&mut Frame, &mut [[Vec3; N]]),
@@ -170,8 +169,8 @@ impl<'a> Scene<'a> {
             for first in (0..raster.width).step_by(TILES * TILE) {
                 let clear = stage.clear_length((first, TILE * y));
                 for x in (first..raster.width.min(first + TILES * TILE)).step_by(TILE) {
-                    let (samples, light, in_others) = stage.tile(&lamps, ((x, TILE * y), clear), others);
-                    rows.put(x, &samples, (&light, &in_others));
+                    let (samples, light, others) = stage.tile(&lamps, ((x, TILE * y), clear), exposed);
+                    rows.put(x, &samples, (&light, &others));
                 }
             }
         });
@@ -253,38 +252,43 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Samples at the centres of a tile's pixels, and their light: in the scene's appearance and, where a centre shows
-    /// the part, in others. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
+    /// Size of a pixel on a surface at this depth [m].
+    #[inline(always)]
+    pub(crate) fn footprint(&self, depth: f32) -> f32 {
+        self.camera.pixel_size_within(f64::from(depth), self.raster.height, self.half_image) as f32
+    }
+
+    /// Samples at the centres of a tile's pixels, and their light: by the dose and, where a centre shows the part, with
+    /// set shares of exposed metal. `corner`: the tile's first pixel; `clear`: as [`Stage::clear_length`].
     fn tile<const N: usize>(
         &self,
         lamps: &[LampRays],
         (corner, clear): ((usize, usize), f64),
-        others: &[Appearance; N],
+        exposed: &[f32; N],
     ) -> (Samples, Points, [Points; N]) {
         let centres = tile_pixels(corner).map(|(x, y)| DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         let centres = self.samples(centres, clear);
         if self.raster.samples_per_side <= 1 {
-            let (light, in_others) = self.lights(lamps, &centres, others, any(&centres.is_solid));
-            return (centres, light, in_others);
+            let (light, others) = self.lights(lamps, &centres, any(&centres.is_solid).then_some(exposed));
+            return (centres, light, others);
         }
-        let (mut light, mut in_others) = (Points::ZERO, [Points::ZERO; N]);
+        let (mut light, mut others) = (Points::ZERO, [Points::ZERO; N]);
         for (i, (x, y)) in tile_pixels(corner).enumerate() {
             if x < self.raster.width && y < self.raster.height {
-                let mean = self.mean(lamps, ((x, y), clear), centres.is_solid[i], others);
+                let mean = self.mean(lamps, ((x, y), clear), centres.is_solid[i].then_some(exposed));
                 light.set(i, mean.0);
-                in_others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
+                others.iter_mut().zip(mean.1).for_each(|(light, mean)| light.set(i, mean));
             }
         }
-        (centres, light, in_others)
+        (centres, light, others)
     }
 
-    /// Mean light of a pixel; also in the other appearances if it is `on_part`.
+    /// Mean light of a pixel, also with set shares of exposed metal.
     fn mean<const N: usize>(
         &self,
         lamps: &[LampRays],
         ((x, y), clear): ((usize, usize), f64),
-        on_part: bool,
-        others: &[Appearance; N],
+        exposed: Option<&[f32; N]>,
     ) -> (Vec3, [Vec3; N]) {
         let side = self.raster.samples_per_side;
         let along = |i: usize| (i as f64 + 0.5) / side as f64;
@@ -293,7 +297,7 @@ impl<'a> Stage<'a> {
         for first in (0..side * side).step_by(LANES) {
             let count = LANES.min(side * side - first);
             let samples = self.samples((first..first + count).map(at), clear);
-            let lit = self.lights(lamps, &samples, others, on_part);
+            let lit = self.lights(lamps, &samples, exposed);
             for i in 0..count {
                 sum.0 += lit.0.get(i);
                 sum.1.iter_mut().zip(&lit.1).for_each(|(sum, light)| *sum += light.get(i));
@@ -303,18 +307,15 @@ impl<'a> Stage<'a> {
         (sum.0 / count, sum.1.map(|sum| sum / count))
     }
 
-    /// Light of samples in the scene's appearance and, if `wanted`, in others.
+    /// Light of samples by the dose and with set shares of exposed metal.
     fn lights<const N: usize>(
         &self,
         lamps: &[LampRays],
         samples: &Samples,
-        others: &[Appearance; N],
-        wanted: bool,
+        exposed: Option<&[f32; N]>,
     ) -> (Points, [Points; N]) {
         let shelter = &TileVisibility::of(self, lamps, samples);
-        let light = |appearance| pulp::Arch::new().dispatch(ShadeLanes { stage: self, appearance, samples, shelter });
-        let in_others = if wanted { others.each_ref().map(light) } else { [Points::ZERO; N] };
-        (light(&self.scene.appearance), in_others)
+        pulp::Arch::new().dispatch(ShadeLanes { stage: self, samples, shelter, exposed })
     }
 
     /// Length from the start of each ray through a row of adjacent tiles that is free of metal [m]. `corner`: the first

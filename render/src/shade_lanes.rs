@@ -4,58 +4,78 @@ use glam::Vec3;
 
 use super::environment_map::Surroundings;
 use super::gbuffer_lanes::Samples;
-use super::lanes::{LANES, Points, any};
+use super::lanes::{LANES, Lanes, Points, any};
 use super::marks::{Grooves, any_tangent};
-use super::material::{Appearance, Blend, MaterialLanes};
 use super::microfacet::{FacetLanes, Facets};
-use super::oxides::OxidePlace;
-use super::scene::{Scene, Stage};
+use super::scene::Stage;
 use super::shade::facing;
-use super::table_pattern::TablePattern;
-use super::texture::Texture;
 use super::tile::TileVisibility;
+use super::tile_finish::TileFinish;
 
-/// Light along the rays of a tile, linear RGB; compiled by `pulp` for each instruction set.
-pub(crate) struct ShadeLanes<'a> {
+/// Light along the rays of a tile, linear RGB, by the dose and with set shares of exposed metal; compiled by `pulp` for
+/// each instruction set.
+pub(crate) struct ShadeLanes<'a, const N: usize> {
     pub(crate) stage: &'a Stage<'a>,
-    pub(crate) appearance: &'a Appearance,
     pub(crate) samples: &'a Samples,
     pub(crate) shelter: &'a TileVisibility,
+    /// Set shares of exposed metal, 0 to 1; `None` if they are not needed, then their light is zero.
+    pub(crate) exposed: Option<&'a [f32; N]>,
 }
 
-impl pulp::NullaryFnOnce for ShadeLanes<'_> {
-    type Output = Points;
+impl<const N: usize> pulp::NullaryFnOnce for ShadeLanes<'_, N> {
+    type Output = (Points, [Points; N]);
 
     #[inline(always)]
-    fn call(self) -> Points {
-        let Self { stage, samples, .. } = self;
+    fn call(self) -> Self::Output {
+        let Self { stage, samples, exposed, .. } = self;
         let (environment, up) = (&stage.scene.lights.environment, stage.up.as_vec3());
-        let mut light = Points::ZERO;
+        let mut background = Points::ZERO;
         for i in 0..LANES {
-            light.set(i, environment.radiance(samples.directions.get(i).dot(up), 0.0));
+            background.set(i, environment.radiance(samples.directions.get(i).dot(up), 0.0));
         }
         if let Some(around) = stage.scene.surroundings {
-            (0..LANES).for_each(|i| light.set(i, around.radiance(stage.to_scene * samples.directions.get(i), 0.0)));
-        }
-        if any(&samples.is_solid) || any(&samples.is_table) {
-            let on_surface = self.of_surfaces();
             for i in 0..LANES {
-                let is_surface = samples.is_solid[i] | samples.is_table[i];
-                light.set(i, if is_surface { on_surface.get(i) } else { light.get(i) });
+                background.set(i, around.radiance(stage.to_scene * samples.directions.get(i), 0.0));
             }
         }
-        light
+        let mut others = [Points::ZERO; N];
+        if !any(&samples.is_solid) && !any(&samples.is_table) {
+            return (background, if exposed.is_some() { [background; N] } else { others });
+        }
+        let finish = &TileFinish::of(stage, samples, exposed.is_some_and(|shares| !shares.is_empty()));
+        let mut by_dose = [0.0; LANES];
+        for i in 0..LANES {
+            by_dose[i] = samples.dose[i].clamp(0.0, 1.0);
+        }
+        let mut grooves = None;
+        let light = self.over(&background, &self.of_surfaces(finish, &by_dose, &mut grooves));
+        for (other, share) in others.iter_mut().zip(exposed.into_iter().flatten()) {
+            *other = self.over(&background, &self.of_surfaces(finish, &[*share; LANES], &mut grooves));
+        }
+        (light, others)
     }
 }
 
 // Everything below is inlined into that call, so that it is compiled for the same instruction set.
 
-impl ShadeLanes<'_> {
+impl<const N: usize> ShadeLanes<'_, N> {
+    /// Light of surfaces in front of the background.
     #[inline(always)]
-    fn of_surfaces(&self) -> Points {
+    fn over(&self, background: &Points, on_surface: &Points) -> Points {
+        let mut light = *background;
+        for i in 0..LANES {
+            let is_surface = self.samples.is_solid[i] | self.samples.is_table[i];
+            light.set(i, if is_surface { on_surface.get(i) } else { light.get(i) });
+        }
+        light
+    }
+
+    /// Light of surfaces with these shares of exposed metal. `grooves`: marks of the tile, found when first needed.
+    #[inline(always)]
+    fn of_surfaces(&self, finish: &TileFinish, exposed: &Lanes, grooves: &mut Option<Grooves>) -> Points {
         let Self { stage, samples, shelter, .. } = self;
         let (environment, up) = (&stage.scene.lights.environment, stage.up.as_vec3());
-        let facets = self.facets();
+        let facets = self.facets(finish, exposed, grooves);
         let mut light = Points::ZERO;
         for i in 0..LANES {
             let (facets, viewer) = (facets.get(i), -samples.directions.get(i));
@@ -100,132 +120,48 @@ impl ShadeLanes<'_> {
     }
 
     #[inline(always)]
-    fn facets(&self) -> FacetLanes {
-        let Self { appearance, samples, .. } = self;
-        let mut normals = Points::ZERO;
-        for i in 0..LANES {
-            normals.set(i, facing(samples.normals.get(i), samples.directions.get(i)));
-        }
+    fn facets(&self, finish: &TileFinish, exposed: &Lanes, grooves: &mut Option<Grooves>) -> FacetLanes {
+        let Self { stage, samples, .. } = self;
         let mut facets = FacetLanes::NONE;
-        let materials = self.materials();
+        let materials = finish.materials(stage, samples, exposed);
         for i in 0..LANES {
-            let normal = normals.get(i);
+            let normal = finish.normals.get(i);
             facets.set(i, &Facets::new(&materials.get(i), normal, any_tangent(normal), 0.0));
         }
         let ground = &materials.ground;
         let is_ground = ground.iter().fold(false, |any, ground| any | (*ground > 0.0));
-        if is_ground && !appearance.marks.is_empty() {
-            let grooves = self.grooves(&normals);
-            for i in 0..LANES {
-                facets.set(i, &self.marked(i, &facets.get(i), ground[i], &grooves));
+        if is_ground && !stage.scene.appearance.marks.is_empty() {
+            if grooves.is_none() {
+                *grooves = Some(self.grooves(&finish.normals));
+            }
+            if let Some(grooves) = grooves {
+                for i in 0..LANES {
+                    facets.set(i, &self.marked(i, &facets.get(i), ground[i], grooves));
+                }
             }
         }
         facets
     }
 
-    /// Materials of part and table.
-    #[inline(always)]
-    fn materials(&self) -> MaterialLanes {
-        let Self { stage, appearance, samples, .. } = self;
-        let Samples { is_table, weld_share, dose, removed, .. } = samples;
-        let mut materials = appearance.blends(weld_share, dose, removed);
-        if !appearance.oxides.is_none() {
-            (0..LANES).filter(|&i| samples.is_solid[i]).for_each(|i| materials.set(i, self.oxidised(i)));
-        }
-        if let Some(texture) = &appearance.texture {
-            for i in 0..LANES {
-                materials.set(i, self.textured(i, materials.blend(i), texture));
-            }
-        }
-        if let Some(table) = stage.scene.table.filter(|_| any(is_table)) {
-            for i in 0..LANES {
-                let plain = Blend { material: table.material, ground: 0.0 };
-                let blend = table.texture.map_or(plain, |texture| self.textured(i, plain, &texture));
-                materials.set(i, if is_table[i] { blend } else { materials.blend(i) });
-            }
-            if let Some(pattern) = &table.pattern {
-                (0..LANES).filter(|&i| is_table[i]).for_each(|i| materials.set(i, self.patterned(i, pattern)));
-            }
-        }
-        let Scene { obstacles, tool, dust, .. } = stage.scene;
-        if !obstacles.is_empty() || !tool.is_empty() || dust.is_some() {
-            self.cover(&mut materials);
-        }
-        materials
-    }
-
-    /// Material of a lane with oxides on its bare metal.
-    fn oxidised(&self, lane: usize) -> Blend {
-        let Self { stage, appearance, samples, .. } = self;
-        let (point, dose) = (samples.positions.get(lane), samples.dose[lane]);
-        let cover = |bare: Blend| {
-            let distance = stage.scene.field.fusion_line().distance(point);
-            let is_weld = samples.weld[lane] > 0;
-            let place = OxidePlace {
-                point,
-                distance: if is_weld { 0.0 } else { distance },
-                cosine: samples.normals.get(lane).dot(samples.directions.get(lane)).abs(),
-                dose,
-            };
-            appearance.oxides.over(bare, &place)
-        };
-        appearance.covered((samples.weld_share[lane], dose, samples.removed[lane]), cover)
-    }
-
-    /// Gives obstacles and the tool their materials, and lays dust over everything.
-    #[inline(always)]
-    fn cover(&self, materials: &mut MaterialLanes) {
-        let Self { stage, samples, .. } = self;
-        for i in 0..LANES {
-            if let Some(material) = stage.scene.material_of(samples.obstacle[i]) {
-                materials.set(i, Blend { material, ground: 0.0 });
-            }
-            if let Some(dust) = &stage.scene.dust {
-                let facing_up = samples.normals.get(i).dot(stage.up.as_vec3());
-                materials.set(i, dust.over(materials.blend(i), samples.positions.get(i), facing_up));
-            }
-        }
-    }
-
-    /// Material of a lane on a table with a pattern.
-    fn patterned(&self, lane: usize, pattern: &TablePattern) -> Blend {
-        let Self { stage, samples, .. } = self;
-        let point = (stage.to_scene * samples.positions.get(lane)).truncate();
-        Blend { material: pattern.material(point, self.footprint(lane)), ground: 0.0 }
-    }
-
-    /// Size of a lane's pixel on the surface [m].
-    #[inline(always)]
-    fn footprint(&self, lane: usize) -> f32 {
-        let Self { stage, samples, .. } = self;
-        let depth = f64::from(samples.depth[lane]);
-        stage.camera.pixel_size_within(depth, stage.raster.height, stage.half_image) as f32
-    }
-
-    #[inline(always)]
-    fn textured(&self, lane: usize, blend: Blend, texture: &Texture) -> Blend {
-        Blend { material: texture.applied(blend.material, self.samples.positions.get(lane)), ..blend }
-    }
-
     #[inline(always)]
     fn grooves(&self, normals: &Points) -> Grooves {
-        let Self { appearance, samples, .. } = self;
+        let Self { stage, samples, .. } = self;
         let mut footprints = [0.0; LANES];
         for i in 0..LANES {
-            footprints[i] = self.footprint(i);
+            footprints[i] = stage.footprint(samples.depth[i]);
         }
-        appearance.marks.grooves(&samples.positions, normals, &footprints)
+        stage.scene.appearance.marks.grooves(&samples.positions, normals, &footprints)
     }
 
     /// Facets of a lane with its grinding marks.
     #[inline(always)]
     fn marked(&self, i: usize, plain: &Facets, ground: f32, grooves: &Grooves) -> Facets {
-        let Self { appearance, samples, .. } = self;
+        let Self { stage, samples, .. } = self;
         let (normal, along) = (plain.normal, grooves.along.get(i));
         let across = normal.cross(along);
         let tilted = (normal + across * (grooves.tilt[i] * ground)).normalize_or(normal);
         let tilted = facing(tilted, samples.directions.get(i));
-        let anisotropy = appearance.marks.anisotropy * ground * grooves.share[i];
+        let anisotropy = stage.scene.appearance.marks.anisotropy * ground * grooves.share[i];
         let marked = plain.turned(tilted, along, anisotropy);
         if ground > 0.0 { marked } else { *plain }
     }

@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::material::Material;
 use super::shade::smooth_step;
@@ -21,7 +22,8 @@ const ASTRAY: f32 = 0.7;
 const LEAST_PIXELS: f32 = 2.0;
 
 /// Type of a table's top.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TableKind {
     /// Boards with grain and joints.
     Wood,
@@ -29,6 +31,11 @@ pub enum TableKind {
     Steel,
     /// Plain weave.
     Cloth,
+}
+
+impl TableKind {
+    /// All types.
+    pub const ALL: [Self; 3] = [Self::Wood, Self::Steel, Self::Cloth];
 }
 
 /// Pattern of a table's top.
@@ -50,6 +57,7 @@ pub struct TablePattern {
 
 impl TablePattern {
     /// Material at a point of the table's plane [m]; `footprint`: size of a pixel there [m].
+    #[inline(always)]
     pub(crate) fn material(&self, point: Vec2, footprint: f32) -> Material {
         let at = Vec2::from_angle(-self.turn).rotate(point) / self.period + self.offset;
         let pixel = footprint / self.period;
@@ -67,16 +75,19 @@ impl TablePattern {
 }
 
 /// Share of a pattern that can be seen where a pixel covers so much of its period.
+#[inline(always)]
 fn visible(pixel: f32) -> f32 {
     smooth_step(LEAST_PIXELS, 2.0 * LEAST_PIXELS, 1.0 / pixel.max(1e-6))
 }
 
 /// Noise of the plane, −1 to 1.
+#[inline(always)]
 fn noise(at: Vec2, layer: f32) -> f32 {
     noise_at(at.extend(layer))
 }
 
 /// Boards laid in half bond: each has its own tone and grain, with dark joints. Relative colour, change of roughness.
+#[inline(always)]
 fn wood(at: Vec2, pixel: f32) -> (f32, f32) {
     let row = at.y.floor();
     let along = at.x / BOARD + if row.rem_euclid(2.0) < 1.0 { 0.0 } else { 0.5 };
@@ -94,6 +105,7 @@ fn wood(at: Vec2, pixel: f32) -> (f32, f32) {
 }
 
 /// Streaks of a brush, and scratches that cross them.
+#[inline(always)]
 fn steel(at: Vec2, pixel: f32) -> (f32, f32) {
     let stretched = |at: Vec2, width: f32| at / Vec2::new(STREAK * width, width);
     let streaks =
@@ -108,6 +120,7 @@ fn steel(at: Vec2, pixel: f32) -> (f32, f32) {
 }
 
 /// Threads that go over and under each other.
+#[inline(always)]
 fn cloth(at: Vec2, pixel: f32) -> (f32, f32) {
     let thread = at.floor();
     let within = at - thread;
@@ -124,8 +137,6 @@ fn cloth(at: Vec2, pixel: f32) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const KINDS: [TableKind; 3] = [TableKind::Wood, TableKind::Steel, TableKind::Cloth];
 
     fn pattern(kind: TableKind, period: f32) -> TablePattern {
         let material = Material { colour: Vec3::splat(0.3), roughness: 0.5, metallic: 0.0 };
@@ -144,7 +155,7 @@ mod tests {
 
     #[test]
     fn patterns_vary_within_their_contrast_about_the_material() {
-        for kind in KINDS {
+        for kind in TableKind::ALL {
             let (mean, deviation) = spread(&pattern(kind, 0.002), 1e-5);
             assert!((mean - 1.0).abs() < 0.15 && (0.03..0.4).contains(&deviation), "{kind:?}: {mean} ± {deviation}");
         }

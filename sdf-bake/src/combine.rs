@@ -97,22 +97,29 @@ impl BrickGrid {
         if !(0.0..=BLEND_REACH * band).contains(&how.radius()) {
             return Err(CombineError::Blend { radius: how.radius(), band: self.band });
         }
-        let (mut grid, from_other) = Combination::of(self, other, how)?.grid(false);
-        let other_owns = how != Combine::Difference;
-        let owned = |place: usize| other_owns && contains(&from_other[place / BRICK_VOXELS], place % BRICK_VOXELS);
-        grid.label = inherit(&grid, [(self, &self.label), (other, &other.label)], owned);
-        grid.inherit_scalars(self, other, owned);
+        let (mut grid, mut from_other) = Combination::of(self, other, how)?.grid(false);
+        if how == Combine::Difference {
+            from_other.fill(VoxelSet::default());
+        }
+        grid.label = inherit(&grid, [(self, &self.label), (other, &other.label)], &from_other);
+        grid.inherit_scalars(self, other, &from_other);
         grid.release_uniform_bricks();
         grid.index.tidy();
         Ok(grid)
     }
 
-    /// Takes each voxel's scalars from `second` where `owned` is true, otherwise from `first`.
-    pub(crate) fn inherit_scalars(&mut self, first: &Self, second: &Self, owned: impl Fn(usize) -> bool) {
+    /// Takes the scalars of the `owned` voxels of each brick from `second`, of the others from `first`.
+    pub(crate) fn inherit_scalars(&mut self, first: &Self, second: &Self, owned: &[VoxelSet]) {
         for channel in Scalar::ALL {
             let parts = [(first, first.scalar(channel)), (second, second.scalar(channel))];
-            *self.scalar_mut(channel) = inherit(self, parts, &owned);
+            *self.scalar_mut(channel) = inherit(self, parts, owned);
         }
+    }
+
+    /// Values of a brick in a channel of this grid; `None` outside the pool.
+    fn brick_values<'v, T>(&self, values: &'v [T], brick: IVec3) -> Option<&'v [T]> {
+        let first = self.slot(brick) as usize * BRICK_VOXELS;
+        values.get(first..first + BRICK_VOXELS)
     }
 
     /// φ of a whole brick [m], also outside the pool.
@@ -128,20 +135,28 @@ impl BrickGrid {
     }
 }
 
-/// A channel for the bricks of `grid` from two others: the second's where `second_owns` is true, otherwise the first's.
+/// A channel for the bricks of `grid` from two others: the second's in the `owned` voxels of each brick, otherwise the
+/// first's.
 pub(crate) fn inherit<T: Copy + Default>(
     grid: &BrickGrid,
-    [first, second]: [(&BrickGrid, &[T]); 2],
-    second_owns: impl Fn(usize) -> bool,
+    parts: [(&BrickGrid, &[T]); 2],
+    owned: &[VoxelSet],
 ) -> Vec<T> {
-    if first.1.is_empty() && second.1.is_empty() {
+    if parts.iter().all(|(_, values)| values.is_empty()) {
         return Vec::new();
     }
-    let value = |place: usize| {
-        let (from, values) = if second_owns(place) { second } else { first };
-        from.place(grid.voxel_of(place)).and_then(|at| values.get(at)).copied().unwrap_or_default()
-    };
-    (0..grid.phi.len()).map(value).collect()
+    let mut all = Vec::with_capacity(grid.phi.len());
+    for (&brick, owned) in grid.bricks.iter().zip(owned) {
+        let none = &[T::default(); BRICK_VOXELS][..];
+        let [first, second] = parts.map(|(from, values)| from.brick_values(values, brick).unwrap_or(none));
+        if *owned == VoxelSet::default() {
+            all.extend_from_slice(first);
+        } else {
+            let value = |offset: usize| if contains(owned, offset) { second[offset] } else { first[offset] };
+            all.extend((0..BRICK_VOXELS).map(value));
+        }
+    }
+    all
 }
 
 /// Two bodies, with signs that make their combination a union.
@@ -183,6 +198,8 @@ enum Exactness {
 
 enum Part {
     Uniform(u32),
+    /// Only one body's surface is within the band.
+    Lone(usize),
     Mixed(Box<Mixed>),
 }
 
@@ -219,27 +236,61 @@ impl<'a> Combination<'a> {
         };
         let mut grid = BrickGrid::empty(first.voxel, first.band, origin, dims);
         let parts = columns(dims).flat_map_iter(|column| {
-            let bricks = (0..dims.z).map(move |z| origin + column.extend(z));
+            let bricks = self.occupied(origin + column.extend(0), dims.z);
             bricks.map(|brick| (brick, self.part(brick, keeps_core))).filter(|(_, part)| !part.is_outside())
         });
-        let (mut from_second, mut inexact) = (Vec::new(), Vec::new());
-        for (brick, part) in parts.collect::<Vec<_>>() {
-            match part {
-                Part::Uniform(side) => grid.set_slot(brick, side),
-                Part::Mixed(mixed) => {
-                    let slot = grid.bricks.len() as u32;
-                    grid.set_slot(brick, slot);
-                    grid.bricks.push(brick);
-                    grid.phi.extend_from_slice(&mixed.phi);
-                    from_second.push(mixed.from_second);
-                    if !mixed.inexact.is_empty() {
-                        inexact.push((slot, mixed.inexact));
-                    }
-                }
+        let parts: Vec<(IVec3, Part)> = parts.collect();
+        let pooled = parts.iter().filter(|(_, part)| !matches!(part, Part::Uniform(_))).count();
+        grid.phi.reserve_exact(pooled * BRICK_VOXELS);
+        let (mut from_second, mut inexact) = (Vec::with_capacity(pooled), Vec::new());
+        for (brick, part) in parts {
+            if let Part::Uniform(side) = part {
+                grid.set_slot(brick, side);
+                continue;
             }
+            let slot = grid.bricks.len() as u32;
+            grid.set_slot(brick, slot);
+            grid.bricks.push(brick);
+            from_second.push(match part {
+                Part::Lone(body) => self.append_lone(body, brick, &mut grid.phi),
+                Part::Mixed(mixed) => {
+                    grid.phi.extend_from_slice(&mixed.phi);
+                    inexact.extend((!mixed.inexact.is_empty()).then_some((slot, mixed.inexact)));
+                    mixed.from_second
+                }
+                Part::Uniform(_) => unreachable!("handled above"),
+            });
         }
         self.settle(&mut grid, inexact);
         (grid, from_second)
+    }
+
+    /// Bricks from `lowest` upwards, `count` of them, that are not outside both bodies.
+    fn occupied(&self, lowest: IVec3, count: i32) -> impl Iterator<Item = IVec3> + use<> {
+        let of = |grid: &'a BrickGrid| {
+            let low = lowest - grid.origin;
+            grid.index.occupied(low.x, low.y).map(move |z| z - low.z)
+        };
+        let mut heights: Vec<i32> = self.bodies.grids.into_iter().flat_map(of).collect();
+        heights.sort_unstable();
+        heights.dedup();
+        heights.into_iter().filter(move |z| (0..count).contains(z)).map(move |z| lowest + z * IVec3::Z)
+    }
+
+    /// Appends φ of a brick that only one body's surface reaches: the lesser of its own and the band. Returns the
+    /// voxels closer to the second body's surface.
+    fn append_lone(&self, body: usize, brick: IVec3, phi: &mut Vec<f32>) -> VoxelSet {
+        let (grid, sign) = (self.bodies.grids[body], self.bodies.signs[body]);
+        let own = grid.brick_values(&grid.phi, brick).expect("a brick of the pool");
+        phi.extend(own.iter().map(|&own| self.back * (sign * own).min(grid.band)));
+        let mut from_second = VoxelSet::default();
+        for (offset, &own) in own.iter().enumerate() {
+            let values = if body == 0 { [sign * own, grid.band] } else { [grid.band, sign * own] };
+            if values[1] < values[0] {
+                insert(&mut from_second, offset);
+            }
+        }
+        from_second
     }
 
     /// Writes the known distances, and redistances the other voxels; those at the surface stay.
@@ -290,6 +341,12 @@ impl<'a> Combination<'a> {
         }
         if a > 0.0 && b > 0.0 {
             return uniform(1.0);
+        }
+        if a == 0.0 && b > 0.0 {
+            return Part::Lone(0);
+        }
+        if b == 0.0 && a > 0.0 {
+            return Part::Lone(1);
         }
         Part::Mixed(Box::new(self.mixed(brick)))
     }

@@ -43,7 +43,10 @@ impl BrickGrid {
             let bricks = (0..dims.z).map(move |z| first + column.extend(z));
             bricks.map(|brick| (brick, fill(brick))).filter(|(_, filled)| !matches!(filled, BrickContents::Outside))
         });
-        for (brick, filled) in filled.collect::<Vec<_>>() {
+        let filled: Vec<(IVec3, BrickContents)> = filled.collect();
+        let pooled = filled.iter().filter(|(_, filled)| matches!(filled, BrickContents::Band(_))).count();
+        grid.phi.reserve_exact(pooled * BRICK_VOXELS);
+        for (brick, filled) in filled {
             match filled {
                 BrickContents::Outside => {}
                 BrickContents::Inside => grid.set_slot(brick, INSIDE),

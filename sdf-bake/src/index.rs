@@ -151,6 +151,15 @@ impl BrickIndex {
         runs.take(self.dims.z as usize)
     }
 
+    /// Heights z of the bricks at (x, y) that are not outside, in order; none beyond the box.
+    pub(crate) fn occupied(&self, x: i32, y: i32) -> impl Iterator<Item = i32> + '_ {
+        let is_within = IVec2::new(x, y).as_uvec2().cmplt(self.dims.truncate().as_uvec2()).all();
+        let tiles = 0..if is_within { self.root_dims.z } else { 0 };
+        let filled = tiles.filter(move |&z| self.root[self.tile(IVec3::new(x >> 3, y >> 3, z))] != OUTSIDE);
+        let bricks = filled.flat_map(|z| z << 3..(z + 1) << 3).take_while(|&z| z < self.dims.z);
+        bricks.filter(move |&z| self.get(IVec3::new(x, y, z)) != OUTSIDE)
+    }
+
     /// Slots of all bricks, x slowest: the dense array that the GPU binds.
     pub fn dense(&self) -> Vec<u32> {
         (0..self.dims.x).flat_map(|x| (0..self.dims.y).flat_map(move |y| self.row(x, y))).collect()
@@ -248,6 +257,10 @@ mod tests {
             assert!(index.dense() == dense && BrickIndex::from_dense(DIMS, &dense) == *index);
             let inside = (0..index.tile_count()).flat_map(|tile| index.inside_of(tile)).count();
             assert_eq!(inside, all().filter(|&brick| expected(brick) == INSIDE).count());
+            let rows = (-1..=DIMS.x).flat_map(|x| (-1..=DIMS.y).map(move |y| (x, y)));
+            let occupied: Vec<IVec3> =
+                rows.flat_map(|(x, y)| index.occupied(x, y).map(move |z| IVec3::new(x, y, z))).collect();
+            assert!(occupied.into_iter().eq(all().filter(|&brick| expected(brick) != OUTSIDE)));
         };
         check(&index);
         index.tidy();

@@ -31,10 +31,10 @@ impl BrickGrid {
     fn labelled_union(&self, added: &BrickGrid, id: u16, how: Combine) -> Result<BrickGrid, LatticeError> {
         let (mut union, from_added) = Combination::of(self, added, how)?.grid(true);
         let owned = |place: usize| contains(&from_added[place / BRICK_VOXELS], place % BRICK_VOXELS);
-        union.inherit_scalars(self, added, owned);
+        union.inherit_scalars(self, added, &from_added);
         union.label = vec![0; union.phi.len()];
         if !self.label.is_empty() {
-            union.label = inherit(&union, [(self, &self.label), (added, &[])], owned);
+            union.label = inherit(&union, [(self, &self.label), (added, &[])], &from_added);
         }
         for (place, share) in union.difference_share(self).into_iter().enumerate() {
             if share > 0.0 || owned(place) {

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use render::{
-    Camera, FIRST_OBSTACLE, Frame, Lights, Marks, Material, PRIMER, Projection, Raster, Scene, Table, VisibleObject,
+    Appearance, Camera, Deposit, FIRST_OBSTACLE, Frame, Lights, Marks, Material, PRIMER, Projection, ROLLED_STEEL,
+    Raster, Scene, Table, Texture, VisibleObject,
 };
 use sdf_bake::BrickGrid;
 
@@ -42,6 +43,40 @@ fn the_coating_gives_way_to_metal_as_the_dose_rises_and_not_beyond_one() {
     assert!((mean(&frame, (-0.0005, 0.0005)).x - bare.x).abs() < 0.02);
     let dose = frame.dose.iter().fold(0f32, |most, &dose| most.max(dose));
     assert!((dose - 2.1).abs() < 0.1, "the buffer keeps D as it is: {dose}");
+}
+
+/// A part under dust on a table, with a primer, a texture and marks of an orbital pad.
+fn varied(part: &BrickGrid) -> Scene<'_> {
+    let texture = Some(Texture { period: Vec3::splat(4e-3), offset: Vec3::ONE, contrast: 0.4, roughness: 0.2 });
+    let mut scene = Scene::new(part);
+    let marks = Marks { orbit: Some(3e-3), ..Marks::default() };
+    scene.appearance = Appearance { marks, primer: Some(ROLLED_STEEL), texture, ..scene.appearance };
+    scene.table = Some(Table { height: -4e-3, material: PRIMER, texture, pattern: None });
+    scene.dust = Some(Deposit { material: PRIMER, cover: 0.4, period: 5e-3, offset: Vec3::ONE });
+    scene
+}
+
+#[test]
+fn photographs_with_set_shares_of_metal_are_those_of_parts_with_such_doses() {
+    let mut part = bracket();
+    part.dose = channel(&part, |p| (0.5 + 60.0 * p.x).max(0.0) as f32);
+    let camera = Camera::look_at(DVec3::new(0.1, -0.2, 0.15), DVec3::ZERO, Projection::Orthographic { height: 0.06 });
+    for raster in [RASTER, Raster { width: 40, height: 30, samples_per_side: 2 }] {
+        let (frame, others) = varied(&part).photograph_exposed(&[0.0, 0.5, 1.0], &camera, &raster);
+        assert_eq!(frame, varied(&part).photograph(&camera, &raster));
+        for (i, dose) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let such = BrickGrid { dose: vec![dose; part.phi.len()], ..part.clone() };
+            let expected = varied(&such).photograph(&camera, &raster);
+            let on_part = |pixel: &usize| frame.seen[*pixel] == VisibleObject::Part;
+            assert!(
+                (0..others.len()).filter(on_part).all(|pixel| others[pixel][i] == expected.colour[pixel]),
+                "{dose}"
+            );
+            assert!((0..others.len()).filter(|pixel| !on_part(pixel)).all(|pixel| others[pixel][i] == Vec3::ZERO));
+        }
+        let shown = (0..others.len()).filter(|pixel| others[*pixel][0] != others[*pixel][2]).count();
+        assert!(10 * shown > others.len(), "{shown}");
+    }
 }
 
 #[test]
