@@ -153,7 +153,7 @@ criteria! {
     /// Largest coordinate change from a fit's result to its restarts along the least determined direction.
     RESTART_DISTANCE: f64 = 0.4, "coordinates", "chosen";
     /// Norm of the difference of the whitened data between simulations without a significant difference.
-    NUMERICAL_NOISE: f64 = 2.0, "σ", "measured (docs/diagnosis.md, step 4)";
+    NUMERICAL_NOISE: f64 = 2.0, "σ", "measured: docs/diagnosis.md, step 4";
     /// Target norm of the change of the whitened data over a finite-difference step.
     DERIVATIVE_CHANGE_AIM: f64 = 12.0, "σ", "chosen: above the numerical noise (docs/diagnosis.md, step 4)";
     /// Norm of the data's change below which a finite difference is repeated with a longer step.

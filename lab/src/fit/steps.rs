@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{DAMPING, Fit, FitOptions, Place};
-use crate::criteria::{DERIVATIVE_CHANGE_LEAST, FIT_CONVERGED_DELTA_CHI2, NUMERICAL_NOISE};
+use crate::criteria::{FIT_CONVERGED_DELTA_CHI2, NUMERICAL_NOISE};
 use crate::evidence::Evidence;
 
 /// Least damping: below it, many tries would be needed to shorten a failed step.
@@ -26,7 +26,7 @@ enum Step {
 
 impl Fit {
     /// Takes steps until none is worth its cost. Existing derivatives are used first; those of a converged fit are as
-    /// good as new ones, and so are those from a place whose data differ by less than a finite difference must.
+    /// good as new ones, and so are those from a place whose data differ by no more than numerical noise.
     pub(crate) fn stepped(mut self, evidence: &dyn Evidence, options: FitOptions) -> Self {
         let mut damping = DAMPING.0;
         let mut left = options.derivatives;
@@ -43,7 +43,7 @@ impl Fit {
             }
             let before = self.chi2;
             match self.improve(evidence, &mut damping) {
-                Step::Better { promised } => known = self.is_as_promised(before - self.chi2, promised),
+                Step::Better { promised } => known = KEPT_OF_PROMISE.contains(&((before - self.chi2) / promised)),
                 Step::None if from.as_ref().is_some_and(|from| self.is_near(from)) => {
                     self.converged = true;
                     break;
@@ -54,16 +54,9 @@ impl Fit {
         self
     }
 
-    /// True if the data at a place differ by less than a finite difference must.
+    /// True if the data at a place differ by no more than numerical noise.
     fn is_near(&self, place: &Place) -> bool {
-        self.here().distance(place) < DERIVATIVE_CHANGE_LEAST
-    }
-
-    /// True if χ² fell about as far as the derivatives predicted, or if the two falls differ by no more than the
-    /// numerical noise of χ²: twice the residuals times noise of independent direction.
-    fn is_as_promised(&self, kept: f64, promised: f64) -> bool {
-        let noise = 2.0 * NUMERICAL_NOISE * self.chi2_per_datum().sqrt();
-        KEPT_OF_PROMISE.contains(&(kept / promised)) || (kept - promised).abs() < noise
+        self.here().distance(place) <= NUMERICAL_NOISE
     }
 
     /// Takes one step that lowers χ². Each try updates the derivatives, also a failed one.

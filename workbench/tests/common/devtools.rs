@@ -75,6 +75,13 @@ impl Browser {
 
     /// Calls a method, and collects console messages meanwhile.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        let mut said = self.ask(method, parameters);
+        assert!(said.get("error").is_none(), "{method}: {said}");
+        said["result"].take()
+    }
+
+    /// The answer to a call: its result or its error.
+    fn ask(&mut self, method: &str, parameters: Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
         if !self.session.is_empty() {
@@ -83,10 +90,9 @@ impl Browser {
         self.socket.send(Message::text(message.to_string())).expect("the browser listens");
         loop {
             let Message::Text(text) = self.socket.read().expect("the browser answers") else { continue };
-            let mut said: Value = serde_json::from_str(&text).expect("JSON");
+            let said: Value = serde_json::from_str(&text).expect("JSON");
             if said["id"] == self.last {
-                assert!(said.get("error").is_none(), "{method}: {said}");
-                return said["result"].take();
+                return said;
             }
             self.note(&said);
         }
@@ -120,10 +126,20 @@ impl Browser {
         answer["result"]["value"].take()
     }
 
+    /// True if an expression is; a page that is being left is asked again later.
+    fn is_true(&mut self, expression: &str) -> bool {
+        let asked = json!({ "expression": format!("Boolean({expression})"), "returnByValue": true });
+        let said = self.ask("Runtime.evaluate", asked);
+        let is_left = said["error"]["message"] == "Inspected target navigated or closed";
+        assert!(is_left || said.get("error").is_none(), "{expression}: {said}");
+        assert!(said["result"].get("exceptionDetails").is_none(), "{expression}: {said}");
+        said["result"]["result"]["value"] == true
+    }
+
     /// Waits until an expression is true.
     pub fn until(&mut self, expression: &str, seconds: u64) {
         let end = Instant::now() + Duration::from_secs(seconds);
-        while self.value(&format!("Boolean({expression})")) != true {
+        while !self.is_true(expression) {
             assert!(
                 Instant::now() < end,
                 "not within {seconds} s: {expression}\n{}",
