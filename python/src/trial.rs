@@ -62,7 +62,7 @@ impl Trial {
     fn workpiece(&self, py: Python<'_>, voxel: Option<f64>) -> PyResult<Workpiece> {
         let voxel = voxel.unwrap_or(self.inner.scans.before.pixels.pitch);
         let part = py.detach(|| Simulation::new(&self.inner, voxel, false).map(|simulation| simulation.part));
-        Ok(Workpiece::of(Arc::new(part.map_err(of)?)))
+        Ok(Workpiece::of(part.map_err(of)?))
     }
 
     /// Simulates the trial as it was logged. Returns record and scan of each pass, and the final field.
