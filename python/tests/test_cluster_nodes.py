@@ -80,7 +80,7 @@ class Run:
         """Observes until something holds, or the process ends."""
         end = time.monotonic() + PATIENCE
         while self.process.poll() is None and not until():
-            assert time.monotonic() < end, self.told()
+            assert time.monotonic() < end, self.output()
             for asset in (self.out / "assets").glob("[!.]*"):
                 self.seen.add((asset.name, asset.stat().st_ino))
             time.sleep(0.02)
@@ -88,13 +88,13 @@ class Run:
     def end(self) -> str:
         """Waits for success, with all assets made by workers, none by the driver; returns what the process said."""
         self.wait(lambda: False)
-        assert self.process.returncode == 0 and '"made": 0, "there": 8' in self.told(), self.told()
-        return self.told()
+        assert self.process.returncode == 0 and '"made": 0, "there": 8' in self.output(), self.output()
+        return self.output()
 
     def is_in_the_middle(self) -> bool:
         return 2 <= len(self.seen) < 8
 
-    def told(self) -> str:
+    def output(self) -> str:
         self.text.seek(0)
         return self.text.read()
 

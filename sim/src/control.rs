@@ -146,25 +146,27 @@ pub fn admittance_sample(motion: Motion, force: f64, setpoint: f64, (mass, dampi
 mod tests {
     use super::*;
 
+    /// Balance of an ideal controller.
+    const IDEAL: Balance = Balance {
+        from: Motion { travel: 0.0, speed: 0.0 },
+        setpoint: 15.0,
+        damping: 0.0,
+        mass: 0.0,
+        dt: 0.01,
+        start_force: 0.0,
+        weight: 1.0,
+        tolerance: 1e-9,
+        bounds: (-0.02, 0.02),
+    };
+
     #[test]
     fn a_linear_spring_is_balanced_from_the_air_and_from_too_deep() {
-        let balance = Balance {
-            from: Motion::default(),
-            setpoint: 15.0,
-            damping: 0.0,
-            mass: 0.0,
-            dt: 0.01,
-            start_force: 0.0,
-            weight: 1.0,
-            tolerance: 1e-9,
-            bounds: (-0.02, 0.02),
-        };
         let spring = |z: f64| {
             let stiffness = if z < 0.0 { 1e6 } else { 0.0 };
             Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness, depth: -z })
         };
         for guess in [0.01, -0.015, 0.0] {
-            let travel = balance.solve(guess, spring).unwrap().expect("a balance");
+            let travel = IDEAL.solve(guess, spring).unwrap().expect("a balance");
             assert!((travel + 15e-6).abs() < 1e-12, "{travel}");
         }
         // A disc on a dome meets 20 N/m at first, and 3e4 N/m in the end.
@@ -173,29 +175,18 @@ mod tests {
             let stiffness = 20.0 * f64::from(depth > 0.0) + 6e7 * depth;
             Ok::<_, ()>(Response { force: 20.0 * depth + 3e7 * depth * depth, stiffness, depth: -z - 1e-3 })
         };
-        let travel = balance.solve(0.01, dome).unwrap().expect("a balance");
+        let travel = IDEAL.solve(0.01, dome).unwrap().expect("a balance");
         assert!((dome(travel).unwrap().force - 15.0).abs() < 1e-6, "{travel}");
         let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
-        assert_eq!(balance.solve(0.0, nothing), Ok(None));
+        assert_eq!(IDEAL.solve(0.0, nothing), Ok(None));
     }
 
     #[test]
     fn a_contact_stiffer_than_its_reported_stiffness_is_balanced_within_few_evaluations() {
-        let balance = Balance {
-            from: Motion::default(),
-            setpoint: 15.0,
-            damping: 0.0,
-            mass: 0.0,
-            dt: 0.01,
-            start_force: 0.0,
-            weight: 1.0,
-            tolerance: 1e-9,
-            bounds: (-0.02, 0.02),
-        };
         // Newton's steps with half of the true stiffness or less would go round for ever.
         for share in [0.5, 0.3, 0.01] {
             let mut evaluations = 0;
-            let travel = balance.solve(-1e-6, |z: f64| {
+            let travel = IDEAL.solve(-1e-6, |z: f64| {
                 evaluations += 1;
                 Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness: share * 1e6, depth: -z })
             });

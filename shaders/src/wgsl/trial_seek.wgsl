@@ -1,6 +1,5 @@
 // Search for the tool's motion in a step, evaluation by evaluation; twin of step/force_balance.rs.
 
-
 // Chooses a height field that contains the contact of the next steps.
 fn plan_height_field() {
     let write_back_way = setup.write_back_way;
