@@ -51,9 +51,10 @@ pub struct Response {
 }
 
 impl Balance {
-    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The first
-    /// step is Newton's, the others are secants: a stiffness misses what the law adds where it depends on the speed of
-    /// the approach or on the state, and Newton's steps would then converge slowly, or not at all.
+    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The steps
+    /// are Newton's, with a slope that is scaled by what the step before it has shown: a stiffness misses what the law
+    /// adds where it depends on the speed of the approach or on the state, and Newton's steps alone would then converge
+    /// slowly, or not at all.
     ///
     /// # Errors
     /// The first error of `respond`.
@@ -76,10 +77,11 @@ impl Balance {
             }
             let slope = self.weight * response.stiffness + drag;
             let step = if slope > 0.0 {
-                let slope = before.and_then(|before| secant(before, (travel, excess))).unwrap_or(slope);
-                before = Some((travel, excess));
+                let now = Evaluation { travel, excess, slope };
+                let scale = before.and_then(|before| now.scale(before)).unwrap_or(1.0);
+                before = Some(now);
                 // A first touch is far softer than the patch into which it grows.
-                let next = travel + excess / slope;
+                let next = travel + excess / (scale * slope);
                 stride *= 4.0;
                 if low.is_finite() { next } else { next.max(travel - stride) }
             } else if response.depth == f64::NEG_INFINITY {
@@ -120,11 +122,23 @@ impl Balance {
     }
 }
 
-/// Fall of the excess force per travel between two evaluations, each a travel [m] and its excess [N]; `None` unless it
-/// falls.
-fn secant(before: (f64, f64), now: (f64, f64)) -> Option<f64> {
-    let slope = (before.1 - now.1) / (now.0 - before.0);
-    (slope > 0.0 && slope.is_finite()).then_some(slope)
+/// A travel [m], its excess force [N], and the fall of the excess per travel that the stiffness promises [N/m].
+#[derive(Clone, Copy)]
+struct Evaluation {
+    travel: f64,
+    excess: f64,
+    slope: f64,
+}
+
+impl Evaluation {
+    /// Fall of the excess force since the evaluation before, as a share of the mean slope of both (trapezoidal rule);
+    /// `None` unless it falls. It is 1 up to the third derivative of the force where the slopes are true, and makes a
+    /// step the secant's where they are wrong by one factor.
+    fn scale(self, before: Self) -> Option<f64> {
+        let promised = 0.5 * (before.slope + self.slope) * (self.travel - before.travel);
+        let scale = (before.excess - self.excess) / promised;
+        (scale > 0.0 && scale.is_finite()).then_some(scale)
+    }
 }
 
 /// Weight of the end of a step in the mean of a force that decays as `exp(-x)` towards a constant. With it, a step of

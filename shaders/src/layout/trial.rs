@@ -201,6 +201,8 @@ shared_struct! {
         before: f32,
         /// Its excess force [N].
         before_excess: f32,
+        /// The fall of the excess per travel that its stiffness promises [N/voxel].
+        before_slope: f32,
         /// Longest next motion into the touched surface [voxels].
         stride: f32,
         /// Motion into the surface in the search for a force [voxels].
@@ -266,9 +268,7 @@ shared_struct! {
         /// 1 if the tool has moved the distance allowed on this height field.
         is_far: u32,
         /// Padding.
-        padding_a: u32,
-        /// Padding.
-        padding_b: u32,
+        padding: u32,
     }
 }
 

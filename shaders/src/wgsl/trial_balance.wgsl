@@ -78,16 +78,15 @@ fn excess_force(force: f32) -> f32 {
     return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
-// Fall of the excess force per travel since the evaluation before, or `slope` if there is none or it does not fall.
-fn secant(excess: f32, slope: f32) -> f32 {
-    if state.before == FAR || state.before == state.guess {
-        return slope;
-    }
-    let seen = (state.before_excess - excess) / (state.guess - state.before);
-    return select(slope, seen, seen > 0.0 && seen < FAR);
+// Fall of the excess force since the evaluation before, as a share of what the mean of both slopes promises, or 1 if
+// there is none or it does not fall.
+fn slope_scale(excess: f32, slope: f32) -> f32 {
+    let promised = 0.5 * (state.before_slope + slope) * (state.guess - state.before);
+    let scale = (state.before_excess - excess) / promised;
+    return select(1.0, scale, state.before < FAR && scale > 0.0 && scale < FAR);
 }
 
-// Next travel: a Newton or secant step, or without stiffness down to the surface and slightly into it; FAR without a
+// Next travel: Newton's step with a scaled slope, or without stiffness down to the surface and slightly into it; FAR without a
 // surface.
 fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let dt = state.dt;
@@ -95,9 +94,10 @@ fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let guess = state.guess;
     let slope = state.end_weight * stiffness + drag;
     if slope > 0.0 {
-        let next = guess + excess / secant(excess, slope);
+        let next = guess + excess / (slope_scale(excess, slope) * slope);
         state.before = guess;
         state.before_excess = excess;
+        state.before_slope = slope;
         state.stride *= 4.0;
         return select(max(next, guess - state.stride), next, state.low > -FAR);
     }
