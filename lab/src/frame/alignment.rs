@@ -11,6 +11,7 @@ use super::rivals::rivals;
 use super::{FrameFreedom, FrameValues, QUANTITIES, frame_offset, middle};
 use crate::calibrate::fit_roughly;
 use crate::criteria::{COARSE_VOXEL_RATIO, FRAME_REACH, FRAME_SETTLED};
+use crate::diagnose::with_values;
 use crate::error::Result;
 use crate::evidence::Evidence;
 use crate::scans::ScanEvidence;
@@ -24,7 +25,8 @@ const MOST_MOVES: usize = 6;
 /// # Errors
 /// If the model cannot be simulated.
 pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Option<Vec<Trial>>> {
-    let search = Search { trials, model, library, arms: Arms::of(&trials.iter().collect::<Vec<_>>()) };
+    let arms = Arms::of(&trials.iter().collect::<Vec<_>>());
+    let mut search = Search { trials, model: model.clone(), library, arms };
     let voxel = COARSE_VOXEL_RATIO * trials[0].scans.before.pixels.pitch;
     let mut place = [0.0; QUANTITIES];
     if trials[0].process.signal() == Signal::Height {
@@ -40,7 +42,9 @@ pub fn aligned(trials: &[Trial], model: &Model, library: &Library) -> Result<Opt
 /// Search for the frame offset of a campaign.
 struct Search<'a> {
     trials: &'a [Trial],
-    model: &'a Model,
+    /// The model with the values of the latest fit, at which the next one starts: a small move of the logs changes them
+    /// little.
+    model: Model,
     library: &'a Library,
     arms: Arms,
 }
@@ -55,17 +59,22 @@ impl Search<'_> {
         self.trials.iter().map(|trial| frame_offset.of_trial(trial)).collect()
     }
 
+    /// Median displacement of the logged poses between two offsets [m].
+    fn apart(&self, places: [FrameValues; 2]) -> f64 {
+        let [a, b] = places.map(|place| frame_offset(place, middle(&self.trials[0])));
+        a.apart(&b, self.trials.iter().flat_map(|trial| &trial.passes).map(|pass| &pass.log))
+    }
+
     /// Moves the logs until the offset converges. On coarse voxels it need only come within reach of the search on the
     /// usual ones, and the last offset is returned if it does not; there, zero offset is.
     ///
     /// - `voxel`: voxel of the simulation; `None` takes the usual one
-    fn settled(&self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
+    fn settled(&mut self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
         let is_rough = voxel.is_some();
         let near = if is_rough { FRAME_REACH } else { FRAME_SETTLED };
         for _ in 0..MOST_MOVES {
             let shown = self.shown(&self.placed(place), voxel)?;
-            let by = std::array::from_fn(|k| shown[k] - place[k]);
-            if self.arms.way(by) <= near || !(self.is_far(place) || self.is_far(shown)) {
+            if self.apart([place, shown]) <= near || !(self.is_far(place) || self.is_far(shown)) {
                 return Ok(shown);
             }
             place = shown;
@@ -77,14 +86,15 @@ impl Search<'_> {
     /// effect of the library and any smooth change of the removal.
     ///
     /// - `voxel`: voxel of the simulation; `None` takes the usual one
-    fn shown(&self, trials: &[Trial], voxel: Option<f64>) -> Result<FrameValues> {
+    fn shown(&mut self, trials: &[Trial], voxel: Option<f64>) -> Result<FrameValues> {
         let usual = |_| ScanEvidence::new(trials, None);
         let mut evidence = ScanEvidence::new(trials, voxel).or_else(usual)?;
-        let model = CompiledModel::new(self.model, self.library, evidence.rows())?;
+        let model = CompiledModel::new(&self.model, self.library, evidence.rows())?;
         if voxel.is_none() {
             evidence.limit_steps(&model)?;
         }
         let fit = fit_roughly(&evidence, &model)?;
+        self.model = with_values(&self.model, &fit);
         let columns = FrameFreedom::new(&evidence, &fit.model)?.columns;
         let residuals = DVector::from_vec(evidence.as_logged(&fit.model)?);
         let linear = Linear { residuals, columns, beside: evidence.beside_frame(&fit) };
@@ -98,6 +108,6 @@ impl Search<'_> {
         }
         // A rough fit may pass through models that take more steps than a rival is given.
         evidence.abandon_longer(&fit.model)?;
-        Ok(judged(&rivals(&evidence, (self.model, &fit), self.library)?).place)
+        Ok(judged(&rivals(&evidence, (&self.model, &fit), self.library)?).place)
     }
 }

@@ -5,6 +5,7 @@ use robot::LogRow;
 
 use super::log::Log;
 use super::{HeldTool, Pass, Trial};
+use crate::measure::median;
 
 /// Transform of logged poses from the robot's frame and clock to those of scans and forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +49,16 @@ impl FrameOffset {
             about: if self.yaw == 0.0 { more.about } else { self.about },
             lag: self.lag + more.lag,
         }
+    }
+
+    /// Median displacement of the poses of logs between this offset and another [m]. A shift along a steady feed and the
+    /// delay in which the tool moves as far are the same by this measure, although no value of theirs is.
+    pub fn apart<'a>(&self, other: &Self, logs: impl Iterator<Item = &'a Log>) -> f64 {
+        let between = |log: &Log| {
+            let [own, other] = [self, other].map(|offset| offset.of_log(log).rows);
+            own.into_iter().zip(other).map(|(a, b)| a.position.distance(b.position)).collect::<Vec<_>>()
+        };
+        median(logs.flat_map(between).collect()).unwrap_or(0.0)
     }
 
     /// Transforms the poses of a log; forces and all other columns keep their times.
@@ -114,6 +125,17 @@ mod tests {
     fn a_log_that_is_not_off_keeps_every_bit() {
         assert_eq!(FrameOffset { about: DVec2::new(0.3, 0.1), ..FrameOffset::default() }.of_log(&log()).rows.len(), 20);
         assert_eq!(FrameOffset::default().of_log(&log()), log());
+    }
+
+    #[test]
+    fn a_shift_along_the_feed_is_a_delay_until_the_tool_returns() {
+        let shift = FrameOffset { shift: DVec2::new(2.5e-4, 0.0), ..FrameOffset::default() };
+        let delay = FrameOffset { lag: 0.025, ..FrameOffset::default() };
+        assert!(shift.apart(&delay, [&log()].into_iter()) < 1e-12);
+        assert!((shift.apart(&FrameOffset::default(), [&log()].into_iter()) - 2.5e-4).abs() < 1e-12);
+        let mut back = log();
+        back.rows.iter_mut().for_each(|row| row.position.x *= -1.0);
+        assert!((shift.apart(&delay, [&back].into_iter()) - 5e-4).abs() < 1e-12);
     }
 
     #[test]
