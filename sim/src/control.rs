@@ -51,10 +51,10 @@ pub struct Response {
 }
 
 impl Balance {
-    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The steps
-    /// are Newton's, with a slope that is scaled by what the step before it has shown: a stiffness misses what the law
-    /// adds where it depends on the speed of the approach or on the state, and Newton's steps alone would then converge
-    /// slowly, or not at all.
+    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The
+    /// steps are Newton's, with a slope that is scaled by what the step before it has shown: a stiffness misses what
+    /// the law adds where it depends on the speed of the approach or on the state, and Newton's steps alone would then
+    /// converge slowly, or not at all.
     ///
     /// # Errors
     /// The first error of `respond`.
@@ -132,8 +132,8 @@ struct Evaluation {
 
 impl Evaluation {
     /// Fall of the excess force since the evaluation before, as a share of the mean slope of both (trapezoidal rule);
-    /// `None` unless it falls. It is 1 up to the third derivative of the force where the slopes are true, and makes a
-    /// step the secant's where they are wrong by one factor.
+    /// `None` unless it falls. Where the slopes are true it is 1 for a quadratic force, so steps are Newton's; where
+    /// all are wrong by one factor, steps are secants.
     fn scale(self, before: Self) -> Option<f64> {
         let promised = 0.5 * (before.slope + self.slope) * (self.travel - before.travel);
         let scale = (before.excess - self.excess) / promised;
@@ -207,6 +207,23 @@ mod tests {
             assert!((travel.unwrap().expect("a balance") + 15e-6).abs() < 1e-12);
             assert!(evaluations <= 8, "{share}: {evaluations}");
         }
+    }
+
+    #[test]
+    fn steps_on_a_quadratic_contact_of_the_reported_stiffness_are_newtons() {
+        let contact = |depth: f64| (1e6 * depth + 2e10 * depth * depth, 1e6 + 4e10 * depth);
+        let mut depths = Vec::new();
+        let travel = IDEAL.solve(-50e-6, |z: f64| {
+            depths.push(-z);
+            let (force, stiffness) = contact(-z);
+            Ok::<_, ()>(Response { force, stiffness, depth: -z })
+        });
+        assert!((contact(-travel.unwrap().expect("a balance")).0 - 15.0).abs() < 1e-9);
+        for pair in depths.windows(2) {
+            let (force, stiffness) = contact(pair[0]);
+            assert!((pair[1] - (pair[0] + (15.0 - force) / stiffness)).abs() < 1e-13, "{depths:?}");
+        }
+        assert!(depths.len() >= 4, "{depths:?}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::estimate::FrameCause;
+use crate::diagnose::with_values;
 use crate::error::Result;
 use crate::evidence::{Evidence, Split};
 use crate::fit::Fit;
@@ -13,7 +14,7 @@ use crate::scans::ScanEvidence;
 use crate::totals::Totals;
 
 /// Change of the calibration residuals, each scan whitened separately, by each effect of a library beside a fit of a
-/// model that has its values, shape [data, sizes] each. Masks show only a border, which an effect of another than its typical shape may move
+/// model, shape [data, sizes] each. Masks show only a border, which an effect of another than its typical shape may move
 /// as an offset does; in scans, all shapes together would also explain a clock that is late. Effects that are equivalent to frame or clock are left out.
 ///
 /// # Errors
@@ -29,8 +30,9 @@ pub(super) fn rivals(
     let is_same = |name: &str| FrameCause::ALL.iter().any(|cause| cause.effect() == Some(name));
     let own = candidates(model, library).into_iter();
     let effects: Vec<_> = own.filter(|e| !is_same(&e.name) && evidence.is_blind_to(e).is_none()).collect();
+    let model = with_values(model, fit);
     let changes = |effect: &&effects::Effect| -> Vec<Vec<f64>> {
-        let Ok(candidate) = Candidate::new(evidence, model, effect, library) else { return Vec::new() };
+        let Ok(candidate) = Candidate::new(evidence, &model, effect, library) else { return Vec::new() };
         let change = |values: &[f64]| -> Option<Vec<f64>> {
             let there = quick.residuals(&candidate.at(values), Split::Calibration).ok()?;
             Some(there.iter().zip(&usual).map(|(there, usual)| there - usual).collect())

@@ -78,16 +78,16 @@ fn excess_force(force: f32) -> f32 {
     return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
 }
 
-// Fall of the excess force since the evaluation before, as a share of what the mean of both slopes promises, or 1 if
-// there is none or it does not fall.
+// Fall of the excess force since the evaluation before, as a share of what the mean of both slopes promises; 1 if there
+// is none or it does not fall.
 fn slope_scale(excess: f32, slope: f32) -> f32 {
     let promised = 0.5 * (state.before_slope + slope) * (state.guess - state.before);
-    let scale = (state.before_excess - excess) / promised;
-    return select(1.0, scale, state.before < FAR && scale > 0.0 && scale < FAR);
+    let seen = state.before_excess - excess;
+    return select(1.0, seen / promised, state.before < FAR && seen * promised > 0.0);
 }
 
-// Next travel: Newton's step with a scaled slope, or without stiffness down to the surface and slightly into it; FAR without a
-// surface.
+// Next travel: Newton's step with a scaled slope, or without stiffness down to the surface and slightly into it; FAR
+// without a surface.
 fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     let dt = state.dt;
     let drag = select(0.0, state.damping / dt + state.mass / (dt * dt), dt > 0.0);
