@@ -59,10 +59,11 @@ impl Search<'_> {
         self.trials.iter().map(|trial| frame_offset.of_trial(trial)).collect()
     }
 
-    /// Median displacement of the logged poses between two offsets [m].
-    fn apart(&self, places: [FrameValues; 2]) -> f64 {
-        let [a, b] = places.map(|place| frame_offset(place, middle(&self.trials[0])));
-        a.apart(&b, self.trials.iter().flat_map(|trial| &trial.passes).map(|pass| &pass.log))
+    /// Root mean square displacement of the pressing tool from one offset to another [m].
+    fn way_between(&self, from: FrameValues, to: FrameValues) -> f64 {
+        let by = std::array::from_fn(|k| to[k] - from[k]);
+        let logs = self.trials.iter().flat_map(|trial| &trial.passes).map(|pass| &pass.log);
+        frame_offset(by, middle(&self.trials[0])).displacement(logs)
     }
 
     /// Moves the logs until the offset converges. On coarse voxels it need only come within reach of the search on the
@@ -74,7 +75,7 @@ impl Search<'_> {
         let near = if is_rough { FRAME_REACH } else { FRAME_SETTLED };
         for _ in 0..MOST_MOVES {
             let shown = self.shown(&self.placed(place), voxel)?;
-            if self.apart([place, shown]) <= near || !(self.is_far(place) || self.is_far(shown)) {
+            if self.way_between(place, shown) <= near || !(self.is_far(place) || self.is_far(shown)) {
                 return Ok(shown);
             }
             place = shown;

@@ -5,7 +5,6 @@ use robot::LogRow;
 
 use super::log::Log;
 use super::{HeldTool, Pass, Trial};
-use crate::measure::median;
 
 /// Transform of logged poses from the robot's frame and clock to those of scans and forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,14 +50,19 @@ impl FrameOffset {
         }
     }
 
-    /// Median displacement of the poses of logs between this offset and another [m]. A shift along a steady feed and the
-    /// delay in which the tool moves as far are the same by this measure, although no value of theirs is.
-    pub fn apart<'a>(&self, other: &Self, logs: impl Iterator<Item = &'a Log>) -> f64 {
-        let between = |log: &Log| {
-            let [own, other] = [self, other].map(|offset| offset.of_log(log).rows);
-            own.into_iter().zip(other).map(|(a, b)| a.position.distance(b.position)).collect::<Vec<_>>()
-        };
-        median(logs.flat_map(between).collect()).unwrap_or(0.0)
+    /// Root mean square displacement of the poses of logs by this offset [m], each weighted by its force, because the
+    /// scans show the tool only where it presses; NaN if it presses nowhere. A shift along a steady feed and the
+    /// opposite delay cancel.
+    pub fn displacement<'a>(&self, logs: impl Iterator<Item = &'a Log>) -> f64 {
+        let (mut squares, mut forces) = (0.0, 0.0);
+        for log in logs {
+            for (row, moved) in log.rows.iter().zip(self.of_log(log).rows) {
+                let force = row.force.max(0.0);
+                squares += force * row.position.distance_squared(moved.position);
+                forces += force;
+            }
+        }
+        (squares / forces).sqrt()
     }
 
     /// Transforms the poses of a log; forces and all other columns keep their times.
@@ -128,14 +132,23 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_along_the_feed_is_a_delay_until_the_tool_returns() {
-        let shift = FrameOffset { shift: DVec2::new(2.5e-4, 0.0), ..FrameOffset::default() };
+    fn a_shift_along_the_feed_cancels_a_delay_where_the_tool_presses() {
         let delay = FrameOffset { lag: 0.025, ..FrameOffset::default() };
-        assert!(shift.apart(&delay, [&log()].into_iter()) < 1e-12);
-        assert!((shift.apart(&FrameOffset::default(), [&log()].into_iter()) - 2.5e-4).abs() < 1e-12);
+        let both = FrameOffset { shift: DVec2::new(-2.5e-4, 0.0), ..delay };
+        assert!(both.displacement([&log()].into_iter()) < 1e-12);
         let mut back = log();
         back.rows.iter_mut().for_each(|row| row.position.x *= -1.0);
-        assert!((shift.apart(&delay, [&back].into_iter()) - 5e-4).abs() < 1e-12);
+        assert!((both.displacement([&back].into_iter()) - 5e-4).abs() < 1e-12);
+        let there_and_back = both.displacement([&log(), &back].into_iter());
+        assert!((there_and_back - 5e-4 / 2f64.sqrt()).abs() < 1e-12, "{there_and_back}");
+        // Most of its rows are at rest in the air.
+        let mut waits = log();
+        let rest = |k: usize| LogRow { time: 0.01 * k as f64, force: 0.0, ..waits.rows[0] };
+        waits.rows = (0..100).map(rest).chain(waits.rows.clone()).collect();
+        assert!((delay.displacement([&waits].into_iter()) - 2.5e-4).abs() < 1e-12);
+        assert!(both.displacement([&waits].into_iter()) < 1e-12);
+        waits.rows.truncate(100);
+        assert!(delay.displacement([&waits].into_iter()).is_nan());
     }
 
     #[test]
