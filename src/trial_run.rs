@@ -155,8 +155,10 @@ impl TrialRun {
             self.passes.iter().map(|pass| figure(&pass.simulated.record)).collect::<Vec<f64>>()
         };
         let clean = |map| despiked(map).0;
-        let repeat = trial.scans.repeats.first().map(clean);
-        let noise = repeat.and_then(|repeat| noise_floor(&clean(&trial.scans.before), &repeat).ok());
+        let noise = trial.scans.repeats.first().and_then(|repeat| {
+            let (before, repeat) = rayon::join(|| clean(&trial.scans.before), || clean(repeat));
+            noise_floor(&before, &repeat).ok()
+        });
         TrialRunSummary {
             format: SIMULATION_FORMAT,
             version: env!("CARGO_PKG_VERSION"),

@@ -71,6 +71,7 @@ pub(crate) enum BrickContents {
 
 impl BrickContents {
     /// Makes a brick from values [m] by offset, truncated at the band [m].
+    #[inline(always)]
     pub(crate) fn of(value: impl Fn(usize) -> f32, band: f32) -> Self {
         let mut values = Box::new([0f32; BRICK_VOXELS]);
         for (offset, phi) in values.iter_mut().enumerate() {

@@ -20,6 +20,8 @@ struct Patch {
 /// Unsigned distance [voxels] from a lattice point [voxels] to the surface, at most `most`.
 ///
 /// Newton's method starts from the nearest lattice point of the surface, so that the nearer one of two flanks is found.
+/// All functions here are inlined, for [`in_wide_lanes`](crate::simd::in_wide_lanes).
+#[inline(always)]
 pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64 {
     let (start, nearest) = nearest_node(surface, point, most);
     if nearest > most + 1.0 {
@@ -29,6 +31,7 @@ pub(super) fn distance(surface: &LatticeHeights, point: DVec3, most: f64) -> f64
 }
 
 /// Returns the lattice point of the surface that is nearest to a lattice point above or below it, and its distance.
+#[inline(always)]
 fn nearest_node(surface: &LatticeHeights, point: DVec3, most: f64) -> (DVec2, f64) {
     let centre = point.truncate().as_ivec2();
     let (mut best, mut least) = (IVec2::ZERO, (surface.at(centre) - point.z).powi(2));
@@ -46,6 +49,7 @@ fn nearest_node(surface: &LatticeHeights, point: DVec3, most: f64) -> (DVec2, f6
 }
 
 /// Distance after Newton steps from `foot`, each of which must reduce it.
+#[inline(always)]
 fn descend(surface: &LatticeHeights, point: DVec3, mut foot: DVec2) -> f64 {
     let mut patch = Patch::at(surface, foot);
     let mut nearest = (foot - point.truncate()).extend(patch.height - point.z).length();
@@ -71,6 +75,7 @@ fn descend(surface: &LatticeHeights, point: DVec3, mut foot: DVec2) -> f64 {
 }
 
 /// Newton step towards the foot of the perpendicular; Gauss-Newton step if the curvature would increase the distance.
+#[inline(always)]
 fn newton_step(patch: &Patch, point: DVec3, foot: DVec2) -> DVec2 {
     let rise = patch.height - point.z;
     let (sx, sy) = (patch.slope.x, patch.slope.y);
@@ -86,48 +91,42 @@ fn newton_step(patch: &Patch, point: DVec3, foot: DVec2) -> DVec2 {
 }
 
 impl Patch {
+    #[inline(always)]
     fn at(surface: &LatticeHeights, foot: DVec2) -> Self {
         let floor = foot.floor();
         let corner = floor.as_ivec2();
-        let (x, y) = (Weights::at(foot.x - floor.x), Weights::at(foot.y - floor.y));
+        let (x, y) = (weights(foot.x - floor.x), weights(foot.y - floor.y));
         let mut patch = Self { height: 0.0, slope: DVec2::ZERO, bend: [0.0; 3] };
-        for b in 0..4 {
-            let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
+        for (b, [value, slope, bend, _]) in y.into_iter().enumerate() {
             let row = surface.row(corner + IVec2::new(-1, b as i32 - 1), 4);
-            for (a, height) in row.iter().enumerate() {
-                value += x.value[a] * height;
-                slope += x.slope[a] * height;
-                bend += x.bend[a] * height;
+            let mut along = [0.0; 4];
+            for (weights, height) in x.iter().zip(row) {
+                for (sum, weight) in along.iter_mut().zip(weights) {
+                    *sum += weight * height;
+                }
             }
-            patch.height += y.value[b] * value;
-            patch.slope += DVec2::new(y.value[b] * slope, y.slope[b] * value);
-            patch.bend[0] += y.value[b] * bend;
-            patch.bend[1] += y.slope[b] * slope;
-            patch.bend[2] += y.bend[b] * value;
+            patch.height += value * along[0];
+            patch.slope += DVec2::new(value * along[1], slope * along[0]);
+            patch.bend[0] += value * along[2];
+            patch.bend[1] += slope * along[1];
+            patch.bend[2] += bend * along[0];
         }
         patch
     }
 }
 
-/// [`cubic_weights`] with their first and second derivatives.
-struct Weights {
-    value: [f64; 4],
-    slope: [f64; 4],
-    bend: [f64; 4],
-}
-
-impl Weights {
-    fn at(t: f64) -> Self {
-        let t2 = t * t;
-        Self {
-            value: cubic_weights(t),
-            slope: [
-                0.5 * (4.0 * t - 3.0 * t2 - 1.0),
-                0.5 * (9.0 * t2 - 10.0 * t),
-                0.5 * (8.0 * t - 9.0 * t2 + 1.0),
-                0.5 * (3.0 * t2 - 2.0 * t),
-            ],
-            bend: [2.0 - 3.0 * t, 9.0 * t - 5.0, 4.0 - 9.0 * t, 3.0 * t - 1.0],
-        }
-    }
+/// For each of the four points around a cell at `t` (0 to 1) its weight as in [`cubic_weights`], the weight's first and
+/// second derivative, and a zero that fills four lanes.
+#[inline(always)]
+fn weights(t: f64) -> [[f64; 4]; 4] {
+    let t2 = t * t;
+    let value = cubic_weights(t);
+    let slope = [
+        0.5 * (4.0 * t - 3.0 * t2 - 1.0),
+        0.5 * (9.0 * t2 - 10.0 * t),
+        0.5 * (8.0 * t - 9.0 * t2 + 1.0),
+        0.5 * (3.0 * t2 - 2.0 * t),
+    ];
+    let bend = [2.0 - 3.0 * t, 9.0 * t - 5.0, 4.0 - 9.0 * t, 3.0 * t - 1.0];
+    [0, 1, 2, 3].map(|point| [value[point], slope[point], bend[point], 0.0])
 }

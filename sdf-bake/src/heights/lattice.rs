@@ -16,6 +16,9 @@ const BORDER: usize = 5;
 /// Greatest base length over which a border's slope is measured [pixels].
 const SLOPE_BASE: usize = 20;
 
+/// Lattice rows that are interpolated together.
+const STACK: usize = 16;
+
 /// Heights at the lattice points `first + (i, j)` [voxels].
 pub(super) struct LatticeHeights {
     pub(super) first: IVec2,
@@ -52,17 +55,20 @@ impl LatticeHeights {
     }
 
     /// Index of a lattice point in `heights`.
+    #[inline(always)]
     fn index(&self, point: IVec2) -> usize {
         let local = point - self.first;
         local.y as usize * self.nx + local.x as usize
     }
 
     /// Height at a lattice point [voxels].
+    #[inline(always)]
     pub(super) fn at(&self, point: IVec2) -> f64 {
         self.heights[self.index(point)]
     }
 
     /// Heights [voxels] at `count` lattice points along x from `start`.
+    #[inline(always)]
     pub(super) fn row(&self, start: IVec2, count: usize) -> &[f64] {
         let at = self.index(start);
         &self.heights[at..at + count]
@@ -161,13 +167,24 @@ impl Stencil {
 }
 
 /// Heights at the intersections of stencils along x and y, from pixel heights; x runs fastest.
+///
+/// Neighbouring lattice rows use the same rows of pixels: each is weighted along x once for a stack of lattice rows.
 fn laid((x, y): (&[Stencil], &[Stencil]), height: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f64> {
-    let at = |across: &Stencil, along: &Stencil| -> f64 {
-        let row = |j: usize| (0..4).map(|a| across.weights[a] * height(across.pixels[a], j)).sum::<f64>();
-        (0..4).map(|b| along.weights[b] * row(along.pixels[b])).sum()
+    let of_stack = |stack: &[Stencil]| -> Vec<f64> {
+        let pixels = read(stack);
+        let across = |stencil: &Stencil, j: usize| {
+            (0..4).map(|a| stencil.weights[a] * height(stencil.pixels[a], j)).sum::<f64>()
+        };
+        let rows: Vec<Vec<f64>> =
+            pixels.iter().map(|&j| x.iter().map(|stencil| across(stencil, j)).collect()).collect();
+        let along = |stencil: &Stencil| -> Vec<f64> {
+            let row = |pixel: usize| rows[pixels.partition_point(|&known| known < pixel)].as_slice();
+            let rows = stencil.pixels.map(row);
+            (0..x.len()).map(|i| (0..4).map(|b| stencil.weights[b] * rows[b][i]).sum()).collect()
+        };
+        stack.iter().flat_map(along).collect()
     };
-    let rows = y.par_iter().flat_map_iter(|along| x.iter().map(|across| at(across, along)).collect::<Vec<_>>());
-    rows.collect()
+    y.par_chunks(STACK).flat_map_iter(of_stack).collect()
 }
 
 /// Half width in pixels of the fitted parabolas, for a voxel that spans this number of pixels.
@@ -285,6 +302,7 @@ fn transposed(values: &[f64], width: usize) -> Vec<f64> {
 }
 
 /// Weights of the four points around a cell at `t` (0 to 1): Keys's cubic with a = -1/2.
+#[inline(always)]
 pub(super) fn cubic_weights(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (4.0 * t2 - 3.0 * t3 + t), 0.5 * (t3 - t2)]

@@ -7,6 +7,7 @@ use super::lattice::{LatticeHeights, smoothing_sums, without_empty_rim};
 use super::{HeightMap, HeightsError, PixelGrid};
 use crate::grid::{BRICK_SIDE, BRICK_VOXELS, BrickGrid, voxel_at};
 use crate::implicit::BrickContents;
+use crate::simd::in_wide_lanes;
 
 /// Position of the sides and the bottom in a brick [voxels from its first voxel]: a band of three voxels fits around
 /// them.
@@ -195,18 +196,30 @@ impl Slab {
             return BrickContents::Inside;
         }
         let band = (self.band * voxel) as f32;
-        let phi = |point: IVec3| {
-            let z = f64::from(point.z);
-            let surface = if z - most >= self.band {
-                self.band
-            } else if z - least <= -self.band {
-                -self.band
-            } else {
-                self.surface_distance(point)
-            };
-            self.cut_by_box(surface, point)
+        in_wide_lanes(
+            #[inline(always)]
+            || {
+                BrickContents::of(
+                    #[inline(always)]
+                    |offset| (self.distance(voxel_at(brick, offset), (least, most)) * voxel) as f32,
+                    band,
+                )
+            },
+        )
+    }
+
+    /// Signed distance [voxels] of a lattice point to the slab; the heights around it are from `least` to `most`.
+    #[inline(always)]
+    fn distance(&self, point: IVec3, (least, most): (f64, f64)) -> f64 {
+        let z = f64::from(point.z);
+        let surface = if z - most >= self.band {
+            self.band
+        } else if z - least <= -self.band {
+            -self.band
+        } else {
+            self.surface_distance(point)
         };
-        BrickContents::of(|offset| (phi(voxel_at(brick, offset)) * voxel) as f32, band)
+        self.cut_by_box(surface, point)
     }
 
     /// Least and greatest height [voxels] over a rectangle [voxels].
@@ -219,18 +232,21 @@ impl Slab {
     }
 
     /// Signed distance [voxels] of a lattice point to the surface.
+    #[inline(always)]
     fn surface_distance(&self, point: IVec3) -> f64 {
         let above = f64::from(point.z) - self.surface.at(point.truncate());
         distance(&self.surface, point.as_dvec3(), self.band).copysign(above)
     }
 
     /// Signed distance [voxels] of a lattice point to the slab, given its signed distance `surface` to the top.
+    #[inline(always)]
     fn cut_by_box(&self, surface: f64, point: IVec3) -> f64 {
         let sides = self.box_distance(point.as_dvec3());
         if surface > 0.0 && sides > 0.0 { surface.hypot(sides) } else { surface.max(sides) }
     }
 
     /// Signed distance [voxels] to the sides and the bottom; the top is open.
+    #[inline(always)]
     fn box_distance(&self, at: DVec3) -> f64 {
         let middle = 0.5 * (self.low.truncate() + self.high);
         let across = (at.truncate() - middle).abs() - 0.5 * (self.high - self.low.truncate());

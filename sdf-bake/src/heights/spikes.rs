@@ -1,5 +1,7 @@
 //! Finds spikes: single wrong pixels from reflections and drop-outs that an instrument reports as heights.
 
+use rayon::prelude::*;
+
 use super::{HeightMap, PixelGrid};
 
 /// Steps to one of the two neighbours in each direction.
@@ -35,17 +37,43 @@ pub(super) fn find(map: &HeightMap) -> Vec<usize> {
 
 fn find_once(map: &HeightMap) -> Vec<usize> {
     let PixelGrid { pitch, nx, ny, .. } = map.pixels;
-    let every = |(i, j)| DIRECTIONS.iter().filter_map(move |&step| excess(map, (i, j), step));
-    let pixels = || (0..ny as isize).flat_map(move |j| (0..nx as isize).map(move |i| (i, j)));
-    let Some(scale) = median(pixels().flat_map(every).map(f64::abs).collect()) else {
+    let rows = || (0..ny).into_par_iter();
+    let magnitudes = |j: usize| -> Vec<u64> {
+        let magnitudes = row_excesses(map, j).into_iter().flatten().map(f64::abs);
+        magnitudes.filter(|magnitude| magnitude.is_finite()).map(f64::to_bits).collect()
+    };
+    let Some(scale) = median(rows().flat_map_iter(magnitudes).collect()) else {
         return Vec::new();
     };
     let least = (SIGMAS * MAD_TO_SIGMA * scale).max(CROWN * pitch);
-    let sticks_out = |&(i, j): &(isize, isize)| {
-        let own = least_excess(map, (i, j));
-        own > least && own > SIGMAS * MAD_TO_SIGMA * local_scale(map, (i, j))
+    let sticks_out = |(i, excesses): (usize, [f64; 4]), j: usize| {
+        let own = least_excess(excesses);
+        let is_out = own > least && own > SIGMAS * MAD_TO_SIGMA * local_scale(map, (i as isize, j as isize));
+        is_out.then_some(j * nx + i)
     };
-    pixels().filter(sticks_out).map(|(i, j)| map.pixels.at(i as usize, j as usize)).collect()
+    let of_row = |j: usize| row_excesses(map, j).into_iter().enumerate().filter_map(move |pixel| sticks_out(pixel, j));
+    rows().flat_map_iter(of_row).collect()
+}
+
+/// The excesses of the pixels of row `j` along [`DIRECTIONS`] [m]; not finite where one is unknown.
+fn row_excesses(map: &HeightMap, j: usize) -> Vec<[f64; 4]> {
+    let PixelGrid { nx, ny, .. } = map.pixels;
+    let beyond = vec![f64::NAN; nx];
+    let row =
+        |at: Option<usize>| at.filter(|&at| at < ny).map_or(beyond.as_slice(), |at| &map.heights[at * nx..][..nx]);
+    let (below, own, above) = (row(j.checked_sub(1)), row(Some(j)), row(Some(j + 1)));
+    let beside = |row: &[f64], i: Option<usize>| i.and_then(|i| row.get(i)).copied().unwrap_or(f64::NAN);
+    let of_pixel = |i: usize| {
+        let (west, east) = (i.checked_sub(1), Some(i + 1));
+        let pairs = [
+            beside(own, west) + beside(own, east),
+            below[i] + above[i],
+            beside(below, west) + beside(above, east),
+            beside(above, west) + beside(below, east),
+        ];
+        pairs.map(|pair| own[i] - 0.5 * pair)
+    };
+    (0..nx).map(of_pixel).collect()
 }
 
 /// Height of a pixel minus the mean of its two neighbours along a direction [m]; `None` if one is missing.
@@ -59,12 +87,10 @@ fn excess(map: &HeightMap, (i, j): (isize, isize), (di, dj): (isize, isize)) -> 
 }
 
 /// Least magnitude of a pixel's excesses [m]; zero if they differ in sign or fewer than two are known.
-fn least_excess(map: &HeightMap, pixel: (isize, isize)) -> f64 {
+fn least_excess(excesses: [f64; 4]) -> f64 {
     let (mut low, mut high, mut known) = (f64::INFINITY, f64::NEG_INFINITY, 0);
-    for step in DIRECTIONS {
-        if let Some(excess) = excess(map, pixel, step) {
-            (low, high, known) = (low.min(excess), high.max(excess), known + 1);
-        }
+    for excess in excesses.into_iter().filter(|excess| excess.is_finite()) {
+        (low, high, known) = (low.min(excess), high.max(excess), known + 1);
     }
     if known < 2 { 0.0 } else { low.max(-high).max(0.0) }
 }
@@ -74,15 +100,17 @@ fn local_scale(map: &HeightMap, (i, j): (isize, isize)) -> f64 {
     let mut around = Vec::with_capacity(100);
     for v in j - AROUND..=j + AROUND {
         for u in i - AROUND..=i + AROUND {
-            around.extend(DIRECTIONS.iter().filter_map(|&step| excess(map, (u, v), step)).map(f64::abs));
+            let excesses = DIRECTIONS.iter().filter_map(|&step| excess(map, (u, v), step));
+            around.extend(excesses.map(|excess| excess.abs().to_bits()));
         }
     }
     median(around).unwrap_or(0.0)
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+/// Median of positive numbers, whose bits have the order of the numbers.
+fn median(mut bits: Vec<u64>) -> Option<f64> {
+    let middle = bits.len() / 2;
+    (!bits.is_empty()).then(|| f64::from_bits(*bits.select_nth_unstable(middle).1))
 }
 
 #[cfg(test)]

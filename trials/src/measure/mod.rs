@@ -53,7 +53,7 @@ pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
 
 /// A map without the spikes that are hidden on a steep rim and show only in the difference from a second scan.
 pub fn unlike_repeat(map: &HeightMap, repeat: &HeightMap) -> HeightMap {
-    let ((clean, _), (repeat, _)) = (despiked(map), despiked(repeat));
+    let ((clean, _), (repeat, _)) = rayon::join(|| despiked(map), || despiked(repeat));
     let mut checked = map.clone();
     if let Ok(over) = register(&repeat, &clean, DegreesOfFreedom::PlaneAndShift, |_| true) {
         let (_, spikes) = despiked(&HeightMap { heights: over.left(&repeat, &clean), ..clean });

@@ -1,5 +1,6 @@
 //! Noise of the instrument, from two scans of one surface.
 
+use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
 use super::register::{DegreesOfFreedom, Registration, RegistrationError, has_slope, register};
@@ -61,7 +62,7 @@ pub fn noise_floor_where(
     };
     let rms = (known.iter().map(|d| d * d).sum::<f64>() / known.len() as f64 / 2.0).sqrt();
     let lags = MOST_LAG.min(first.pixels.nx.min(first.pixels.ny) / 2).max(2);
-    let variogram: Vec<f64> = (1..=lags).map(|lag| variogram(&difference, first, lag)).collect();
+    let variogram: Vec<f64> = (1..=lags).into_par_iter().map(|lag| variogram(&difference, first, lag)).collect();
     let sill = spread * spread;
     let white = (2.0 * variogram[0] - variogram[1]).clamp(0.0, sill);
     let goal = white + RISE * (sill - white);

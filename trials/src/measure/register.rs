@@ -2,6 +2,7 @@
 //! least squares.
 
 use glam::DVec2;
+use rayon::prelude::*;
 use sdf_bake::HeightMap;
 use thiserror::Error;
 
@@ -156,16 +157,18 @@ fn one_sided_slope(map: &HeightMap, at: usize) -> DVec2 {
 fn fit(equations: &[Equation], reach: f64) -> Option<([f64; UNKNOWNS], f64)> {
     let prior = |sigma: f64| (sigma.max(FINEST) / reach).powi(2);
     let mut solution = weighted(equations, prior(0.0), |_| 1.0)?;
-    let mut sigma = spread(equations, &solution)?;
+    let mut left = all_left(equations, &solution);
+    let (_, mut sigma) = centre_and_sigma(&left)?;
     for round in 0..ROUNDS.0 + ROUNDS.1 {
         if sigma < EXACT {
             break;
         }
         let huber = |r: f64| (TUNING.0 * sigma / r.abs()).min(1.0);
         let tukey = |r: f64| (1.0 - (r / (TUNING.1 * sigma)).powi(2)).max(0.0).powi(2);
-        let weight = |r: f64| if round < ROUNDS.0 { huber(r) } else { tukey(r) };
-        solution = weighted(equations, prior(sigma), |equation| weight(equation.left(&solution)))?;
-        sigma = spread(equations, &solution)?;
+        let weight = |at: usize| if round < ROUNDS.0 { huber(left[at]) } else { tukey(left[at]) };
+        solution = weighted(equations, prior(sigma), weight)?;
+        left = all_left(equations, &solution);
+        sigma = centre_and_sigma(&left)?.1;
     }
     Some((solution, sigma))
 }
@@ -176,21 +179,24 @@ impl Equation {
     }
 }
 
-fn spread(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Option<f64> {
-    let left: Vec<f64> = equations.iter().map(|equation| equation.left(solution)).collect();
-    centre_and_sigma(&left).map(|(_, sigma)| sigma)
+/// Residual of each equation under a solution [m].
+fn all_left(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Vec<f64> {
+    equations.par_iter().map(|equation| equation.left(solution)).collect()
 }
 
-/// Weighted least squares with a prior on the shifts; `None` if not even the plane is determined.
-fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(&Equation) -> f64) -> Option<[f64; UNKNOWNS]> {
+/// Least squares with a weight for each equation, by its index, and a prior on the shifts; `None` if not even the
+/// plane is determined.
+fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(usize) -> f64) -> Option<[f64; UNKNOWNS]> {
+    // Only the diagonal of the symmetric matrix and the entries to its left are summed.
     let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut right = [0.0; UNKNOWNS];
-    for equation in equations {
-        let w = weight(equation);
-        for (i, a) in equation.basis.iter().enumerate() {
-            right[i] += w * a * equation.difference;
-            for (sum, b) in matrix[i].iter_mut().zip(&equation.basis) {
-                *sum += w * a * b;
+    for (at, Equation { basis, difference }) in equations.iter().enumerate() {
+        let w = weight(at);
+        for i in 0..UNKNOWNS {
+            let weighted = w * basis[i];
+            right[i] += weighted * difference;
+            for j in 0..=i {
+                matrix[i][j] += weighted * basis[j];
             }
         }
     }
@@ -198,8 +204,8 @@ fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(&Equation) -> f6
     solved(&matrix, &right)
 }
 
-/// Solves the normal equations by Cholesky factorisation. Shifts that the surface does not determine stay zero; `None`
-/// if the plane is not determined.
+/// Solves the normal equations, of which only the lower triangle is read, by Cholesky factorisation. Shifts that the
+/// surface does not determine stay zero; `None` if the plane is not determined.
 fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut solution = [0.0; UNKNOWNS];

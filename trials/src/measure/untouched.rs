@@ -11,6 +11,10 @@ use robot::{Tool, Wheel};
 pub const CLEARANCE: f64 = 0.1e-3;
 /// Poses closer together than this share of a pixel count as one.
 const SAME_POSE: f64 = 0.5;
+/// Poses that are first tested together.
+const TOGETHER: usize = 16;
+/// Distance that is far above the rounding of a gap [m].
+const ROUNDING: f64 = 1e-8;
 
 /// For each pixel, true if no point of the tool came closer to the surface than `clearance` [m] on the whole path.
 ///
@@ -18,13 +22,42 @@ const SAME_POSE: f64 = 0.5;
 /// - `clearance`: for instance [`CLEARANCE`]
 pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &HeldTool, clearance: f64) -> Vec<bool> {
     let poses = thinned(&path.poses, SAME_POSE * surface.pixels.pitch);
+    let groups: Vec<PoseGroup> = poses.chunks(TOGETHER).map(PoseGroup::of).collect();
     let pixels = surface.pixels;
     let is_free = |at: usize| {
         let place = pixels.position(at % pixels.nx, at / pixels.nx);
         let point = place.extend(surface.heights[at]);
-        point.is_finite() && poses.iter().all(|pose| gap(tool, pose, point, pixels.pitch) > clearance)
+        point.is_finite() && groups.iter().all(|group| group.is_clear(tool, point, (pixels.pitch, clearance)))
     };
     (0..pixels.len()).into_par_iter().map(is_free).collect()
+}
+
+/// Successive poses.
+struct PoseGroup<'a> {
+    poses: &'a [ToolPose],
+    middle: ToolPose,
+    /// Greatest distance of a pose from the middle one [m]; infinite if the tool turns.
+    spread: f64,
+}
+
+impl<'a> PoseGroup<'a> {
+    /// The group of some poses, at least one.
+    fn of(poses: &'a [ToolPose]) -> Self {
+        let middle = poses[poses.len() / 2];
+        let turns = |pose: &ToolPose| pose.axis != middle.axis || pose.approach != middle.approach;
+        let distance = |pose: &ToolPose| if turns(pose) { f64::INFINITY } else { pose.centre.distance(middle.centre) };
+        Self { poses, middle, spread: poses.iter().map(distance).fold(0.0, f64::max) }
+    }
+
+    /// Returns true if the gap at a point exceeds the clearance [m] in every pose.
+    ///
+    /// If the tool does not turn, a gap and a distance beside the face change by at most the distance that the tool
+    /// moves. A point that is clear of the middle pose by the spread is then clear of every pose.
+    fn is_clear(&self, tool: &HeldTool, point: DVec3, (pixel, clearance): (f64, f64)) -> bool {
+        let reach = self.spread + ROUNDING;
+        gap(tool, &self.middle, point, pixel + reach) > clearance + reach
+            || self.poses.iter().all(|pose| gap(tool, pose, point, pixel) > clearance)
+    }
 }
 
 /// Selects poses that lie at least `way` [m] from the previous selected one.
