@@ -98,6 +98,12 @@ const PLACES: [Hook; 12] = [
 ];
 
 impl CompiledModel {
+    /// True for a copy of the same compiled model with exactly the same values.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let bits = |model: &Self| -> Vec<u64> { model.values.iter().map(|value| value.to_bits()).collect() };
+        Arc::ptr_eq(&self.structure, &other.structure) && bits(self) == bits(other)
+    }
+
     /// Compiles a model for a campaign with the given numbers of passes and scans. Effects act in the library's order,
     /// whatever their order in the model.
     ///

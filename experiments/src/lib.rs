@@ -89,7 +89,7 @@ pub fn next_trial(
     let sum: f64 = hypotheses.iter().map(|hypothesis| hypothesis.probability).sum();
     let beliefs: Vec<Belief> = hypotheses.iter().map(|hypothesis| hypothesis.belief(sum, spread)).collect();
     let predictor = Predictor::new(evidence, hypotheses, spread)?;
-    let designs = menu::menu(evidence.simulation.trials[TEMPLATE].trial);
+    let designs = menu::menu(evidence.simulation.trials()[TEMPLATE].trial);
     let outlined = |design: Design| {
         let outline = predictor.outline(&design).ok()?;
         Some(Outlined { bound: Score::bound(&beliefs, &outline.data), design, outline })
@@ -169,7 +169,7 @@ fn after(beliefs: &[Belief], all: &[Rated]) -> Option<MenuLine> {
 
 /// The planned trials under new names, without scans.
 fn plan(evidence: &ScanEvidence, design: &Design) -> Vec<Trial> {
-    let trials = &evidence.simulation.trials;
+    let trials = evidence.simulation.trials();
     let mut name = trials[trials.len() - 1].trial.name.clone();
     let named = |stage: &Trial| {
         name = successor(&name);
@@ -190,7 +190,7 @@ fn successor(name: &str) -> String {
 }
 
 fn stated(evidence: &ScanEvidence, hypotheses: &[Hypothesis], best: &Rated) -> NextTrial {
-    let template = evidence.simulation.trials[TEMPLATE].trial;
+    let template = evidence.simulation.trials()[TEMPLATE].trial;
     let each = |value: fn(&Pass) -> f64| best.design.passes().map(value).collect();
     NextTrial {
         summary: format!("Repeat {}: {}.", template.name, best.design.what),

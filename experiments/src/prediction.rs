@@ -70,7 +70,7 @@ impl<'a> Predictor<'a> {
         hypotheses: &[Hypothesis],
         spread: f64,
     ) -> Result<Self, EvidenceError> {
-        let own = evidence.simulation.trials[TEMPLATE].part.voxel;
+        let own = evidence.simulation.trials()[TEMPLATE].part.voxel;
         let tiles = tiles(evidence);
         let voxel = if tiles.is_some() { NEXT_TRIAL_VOXEL_RATIO * own } else { own };
         let last = last_group(evidence, voxel)?;
@@ -239,7 +239,7 @@ fn tiles(evidence: &ScanEvidence) -> Option<(usize, TileNoise)> {
 
 /// The last trial, and those before it since the tool was fresh.
 fn last_group<'t>(evidence: &'t ScanEvidence, voxel: f64) -> Result<Vec<(Simulation<'t>, usize)>, EvidenceError> {
-    let all = &evidence.simulation.trials;
+    let all = evidence.simulation.trials();
     let start = all.iter().rposition(|own| own.trial.fresh).unwrap_or(0);
     let mut row = all[..start].iter().map(|own| own.trial.passes.len()).sum();
     let mut group = Vec::new();

@@ -68,7 +68,7 @@ fn extent(evidence: &ScanEvidence, simulated: &Simulated, (name, names): (usize,
     let mut found: Option<Extent> = None;
     for view in evidence.of(Split::Calibration) {
         let covariates = simulated.pass(view).covariates.as_ref()?;
-        let pixels = &evidence.simulation.trials[view.trial].trial.scans.before.pixels;
+        let pixels = &evidence.simulation.trials()[view.trial].trial.scans.before.pixels;
         let first = covariates.states.len() - names - 1;
         let at = |sum: usize| {
             let known = covariates.states[first + sum].iter().map(|value| if value.is_finite() { *value } else { 0.0 });

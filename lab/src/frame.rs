@@ -143,7 +143,7 @@ impl Change {
     /// Change by one quantity, over a step that changes the residuals by more than the simulation's numerical noise;
     /// zero where none does.
     fn of(evidence: &ScanEvidence, (usual, model): ModelPasses, quantity: usize) -> Result<Self, EvidenceError> {
-        let simulations = &evidence.simulation.trials;
+        let simulations = evidence.simulation.trials();
         let scale = priors(simulations[0].trial.frame_errors)[quantity];
         let about = middle(simulations[0].trial);
         for step in [STEPS[quantity].min(scale), scale].into_iter().filter(|step| *step > 0.0) {

@@ -42,7 +42,7 @@ impl NoiseSummary {
     /// Noise of each ground trial.
     pub fn all(evidence: &ScanEvidence) -> Vec<Self> {
         let level = SIGNIFICANCE_LEVEL / evidence.tile_noise.len().max(1) as f64;
-        let trials = evidence.simulation.trials.iter().zip(&evidence.noise).zip(&evidence.tile_noise);
+        let trials = evidence.simulation.trials().iter().zip(&evidence.noise).zip(&evidence.tile_noise);
         let summary = |((simulation, noise), fitted): ((&Simulation, &ScanNoise), &Option<FittedNoise>)| {
             Some(Self::new((&simulation.trial.name, &noise.source), fitted.as_ref()?, level))
         };

@@ -40,7 +40,7 @@ pub type ModelPasses<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
 impl ScanEvidence<'_> {
     /// Returns a simulated surface as the instrument sees it.
     pub fn as_scanned(&self, view: &ScanView, simulated: &HeightMap, nuisances: Nuisances) -> HeightMap {
-        let mut seen = blurred(simulated, &self.simulation.trials[view.trial].trial.scans.before, nuisances.blur);
+        let mut seen = blurred(simulated, &self.simulation.trials()[view.trial].trial.scans.before, nuisances.blur);
         if let Some(frame) = &self.frame {
             frame.add_to(&mut seen.heights, (view.trial, view.pass), nuisances.frame);
         }
@@ -142,7 +142,7 @@ impl ScanEvidence<'_> {
         if self.process().signal() == Signal::Dose {
             return Ok(0.0);
         }
-        let pitch = self.simulation.trials[0].trial.scans.before.pixels.pitch;
+        let pitch = self.simulation.trials()[0].trial.scans.before.pixels.pitch;
         let field = self.lattice_field_of(Split::Calibration);
         let cost = |blur: f64| -> Result<f64, EvidenceError> {
             let left = self.whitened(simulated, Split::Calibration, blur)?;

@@ -154,7 +154,7 @@ struct EqualScans<'a> {
 impl<'a> EqualScans<'a> {
     fn new(evidence: &'a ScanEvidence<'a>) -> Self {
         let views: Vec<&ScanView> = evidence.of(Split::Calibration).collect();
-        let pass = |view: &ScanView| &evidence.simulation.trials[view.trial].trial.passes[view.pass];
+        let pass = |view: &ScanView| &evidence.simulation.trials()[view.trial].trial.passes[view.pass];
         let follows = |&(a, b): &(usize, usize)| {
             let (first, next) = (views[a], views[b]);
             first.trial == next.trial && first.pass + 1 == next.pass && is_equal(pass(first), pass(next))

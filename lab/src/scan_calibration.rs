@@ -12,7 +12,6 @@ use super::frame::FrameFreedom;
 use super::scans::ScanEvidence;
 use super::simulation_errors::SimulationErrors;
 use crate::criteria::{COARSE_VOXEL_RATIO, SIMULATION_LEAST_STEPS, SIMULATION_STEP_RATIO};
-use trial_simulation::CampaignSimulation;
 
 /// Message on masks to which no rate can be fitted.
 const COATED_EVERYWHERE: &str = "no mask of a calibration pass shows the substrate: sand at least one of them through \
@@ -111,20 +110,14 @@ impl<'a> ScanEvidence<'a> {
         let passes = self.simulate(model, Split::Calibration)?;
         let most = passes.iter().flatten().map(|pass| pass.record.steps).max().unwrap_or(0);
         self.most_steps = Some(SIMULATION_STEP_RATIO * most.max(SIMULATION_LEAST_STEPS));
-        limit_to(self.most_steps, &mut self.simulation);
+        self.simulation.limit_steps(self.most_steps);
         Ok(())
     }
 
     /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
     pub(super) fn prepare_lattices(&mut self) {
         self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
-        limit_to(self.most_steps, &mut self.simulation);
-        self.coarse.iter_mut().for_each(|coarse| limit_to(self.most_steps, coarse));
+        self.simulation.limit_steps(self.most_steps);
+        self.coarse.iter_mut().for_each(|coarse| coarse.limit_steps(self.most_steps));
     }
-}
-
-/// Limits the steps of each pass.
-fn limit_to(most_steps: Option<usize>, simulation: &mut CampaignSimulation) {
-    let trials = simulation.trials.iter_mut();
-    trials.for_each(|trial| trial.change_settings(|settings| settings.most_steps = most_steps));
 }

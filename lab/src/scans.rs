@@ -97,7 +97,7 @@ impl<'a> ScanEvidence<'a> {
 
     /// Sources of the noise of trials without a repeated scan, one sentence each.
     pub fn noise_notes(&self) -> Vec<String> {
-        let trials = self.simulation.trials.iter().zip(&self.noise);
+        let trials = self.simulation.trials().iter().zip(&self.noise);
         let words = |(simulation, noise): (&Simulation, &ScanNoise)| {
             Some(format!("{}: {}", simulation.trial.name, noise.source.words()?))
         };
@@ -118,7 +118,7 @@ impl<'a> ScanEvidence<'a> {
 
     /// Number of passes of each trial that must be simulated to predict a split.
     pub(super) fn needed(&self, split: Split) -> Vec<usize> {
-        let trials = &self.simulation.trials;
+        let trials = self.simulation.trials();
         let mut needed = vec![0; trials.len()];
         for view in self.of(split) {
             needed[view.trial] = needed[view.trial].max(view.pass + 1);
@@ -146,7 +146,7 @@ impl<'a> ScanEvidence<'a> {
         let passes = self.simulate(model, split)?;
         let nuisances = self.nuisances_of((&passes, model))?;
         let agreement = |view: &ScanView| {
-            let about = format!("{} pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
+            let about = format!("{} pass {}", self.simulation.trials()[view.trial].trial.name, view.pass + 1);
             let predicted = self.predicted(view, (&passes, model), nuisances)?;
             Ok(Agreement { about, ..view.data.agreement(&predicted, self.untouched(view)) })
         };
@@ -155,13 +155,13 @@ impl<'a> ScanEvidence<'a> {
 
     /// Scan of a view's workpiece before its first pass.
     pub fn untouched(&self, view: &ScanView) -> Untouched<'_> {
-        let heights = &self.simulation.trials[view.trial].trial.scans.before;
+        let heights = &self.simulation.trials()[view.trial].trial.scans.before;
         Untouched { heights, noise: self.noise[view.trial].floor.rms }
     }
 
     /// Message on a column that an effect reads and the files lack.
     fn lacks_column(&self, effect: &Effect) -> Option<String> {
-        let trials = self.simulation.trials.iter().map(|simulation| simulation.trial);
+        let trials = self.simulation.trials().iter().map(|simulation| simulation.trial);
         let mut lacking = trials.filter_map(|trial| Some((trial, lacking(trial, effect)?)));
         let (trial, (state, _)) = lacking.next()?;
         Some(format!("reads column {}, which {} does not give in each row and in its unit", state.name, trial.name))
@@ -181,7 +181,7 @@ impl<'a> ScanEvidence<'a> {
 
 impl Evidence for ScanEvidence<'_> {
     fn process(&self) -> Process {
-        self.simulation.trials[0].trial.process
+        self.simulation.trials()[0].trial.process
     }
 
     fn rows(&self) -> RowCounts {
@@ -202,7 +202,7 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn coordinates(&self, model: &CompiledModel) -> Vec<Coordinate> {
-        let trials = self.simulation.trials.iter().zip(self.needed(Split::Calibration));
+        let trials = self.simulation.trials().iter().zip(self.needed(Split::Calibration));
         let passes =
             trials.flat_map(|(simulation, needed)| (0..simulation.trial.passes.len()).map(move |pass| pass < needed));
         let seen: Vec<bool> = passes.collect();
@@ -221,7 +221,7 @@ impl Evidence for ScanEvidence<'_> {
     }
 
     fn is_blind_to(&self, effect: &Effect) -> Option<String> {
-        let known = self.simulation.trials[0].trial.frame_errors;
+        let known = self.simulation.trials()[0].trial.frame_errors;
         let is_free = |sigma: f64| self.frame.is_some() && sigma > 0.0;
         let why = match effect.name.as_str() {
             "scan-tilt" | "scan-shift" => "every fit leaves each scan's pose free",

@@ -34,8 +34,8 @@ impl Simulated {
     /// If a model cannot be simulated.
     pub fn all(evidence: &ScanEvidence, models: &[&CompiledModel]) -> Result<Vec<Self>, EvidenceError> {
         let trials: Result<Vec<Simulation>, CampaignError> =
-            evidence.simulation.trials.par_iter().map(watched).collect();
-        let simulation = CampaignSimulation { trials: trials?, stop: evidence.simulation.stop.clone() };
+            evidence.simulation.trials().par_iter().map(watched).collect();
+        let simulation = CampaignSimulation::of(trials?, evidence.simulation.stop.clone());
         let run = |model: &&CompiledModel| {
             let passes = simulation.run(model)?;
             let nuisances = evidence.nuisances_of((&passes, model))?;

@@ -71,7 +71,7 @@ impl ScanEvidence<'_> {
         nuisances: Nuisances,
     ) -> Result<Vec<Total>, EvidenceError> {
         let total = |view: &ScanView| {
-            let about = format!("{}, pass {}", self.simulation.trials[view.trial].trial.name, view.pass + 1);
+            let about = format!("{}, pass {}", self.simulation.trials()[view.trial].trial.name, view.pass + 1);
             let predicted = self.predicted(view, (passes, model), nuisances)?;
             Ok(Total { about, ..view.data.total(&predicted, self.untouched(view).heights) })
         };

@@ -26,7 +26,7 @@ pub struct Seen<'a> {
 
 /// Name of a scan's pass.
 pub fn name(evidence: &ScanEvidence, view: &ScanView) -> String {
-    format!("{}, pass {}", evidence.simulation.trials[view.trial].trial.name, view.pass + 1)
+    format!("{}, pass {}", evidence.simulation.trials()[view.trial].trial.name, view.pass + 1)
 }
 
 /// Role of a scan's pass.
@@ -45,7 +45,7 @@ pub fn pass_volume<'a>(
     view: &'a ScanView,
     ground: &dyn Fn(&'a ScanView) -> Option<Ground<'a>>,
 ) -> Option<Volume> {
-    let before = &evidence.simulation.trials[view.trial].trial.scans.before;
+    let before = &evidence.simulation.trials()[view.trial].trial.scans.before;
     let up_to = |view: &'a ScanView| Some(ground(view)?.volume(before));
     let all = up_to(view)?;
     let is_earlier = |other: &&ScanView| other.trial == view.trial && other.pass + 1 == view.pass;

@@ -216,7 +216,7 @@ pub(super) fn compared_scans(
         tool,
         passes: evidence.views.iter().enumerate().map(pass).collect(),
         pitch: Some(trial.scans.before.pixels.pitch),
-        voxel: evidence.simulation.trials.first().map(|simulation| simulation.part.voxel),
+        voxel: evidence.simulation.trials().first().map(|simulation| simulation.part.voxel),
         blur: evidence.nuisances.map(|nuisances| nuisances.blur).filter(|blur| *blur > 0.0),
         method: METHOD.map(str::to_owned).to_vec(),
         ..named

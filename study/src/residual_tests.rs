@@ -23,7 +23,7 @@ pub fn of_scans(
         ResidualGrid { nx: tiles.grid.shape().0, cells: tiles.cells.clone(), residuals }
     };
     let grids: Vec<ResidualGrid> = views.iter().map(grid).collect();
-    let trials = 0..evidence.simulation.trials.len();
+    let trials = 0..evidence.simulation.trials().len();
     let shared: Vec<SharedTiles> = trials.filter_map(|trial| shared_tiles(simulated, &views, trial)).collect();
     structure_tests(&grids, &evidence.repeats(split), degrees_of_freedom, &shared, seed)
 }

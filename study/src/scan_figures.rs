@@ -75,7 +75,7 @@ pub(super) fn figures(
     simulated: &Simulated,
     lines: &[Direction],
 ) -> ScanFigures {
-    let trial = evidence.simulation.trials[view.trial].trial;
+    let trial = evidence.simulation.trials()[view.trial].trial;
     let (before, noise) = (&trial.scans.before, evidence.noise[view.trial].floor.rms);
     let ground = Ground::new(view, simulated);
     let plateau = ground.as_ref().map(|ground| ground.plateau(before, &trial.passes[view.pass], noise));

@@ -94,7 +94,7 @@ impl<'a> Places<'a> {
 
     /// The simulated surface before the pass, as the instrument sees it.
     fn before(&self) -> HeightMap {
-        let first = || despiked(&self.evidence.simulation.trials[self.view.trial].trial.scans.before).0;
+        let first = || despiked(&self.evidence.simulation.trials()[self.view.trial].trial.scans.before).0;
         self.earlier.and_then(|view| self.simulated.heights(view)).unwrap_or_else(first)
     }
 
@@ -138,12 +138,12 @@ impl<'a> Places<'a> {
     }
 
     fn at_pixels(&self, values: &[f64]) -> Vec<f64> {
-        self.covariates.at(&self.evidence.simulation.trials[self.view.trial].trial.scans.before.pixels, values)
+        self.covariates.at(&self.evidence.simulation.trials()[self.view.trial].trial.scans.before.pixels, values)
     }
 
     /// All covariates at all tiles, in the order of [`COVARIATES`]; zero where a place was not touched.
     fn values(&self, tiles: &Tiles) -> Vec<Vec<f64>> {
-        let trial = self.evidence.simulation.trials[self.view.trial].trial;
+        let trial = self.evidence.simulation.trials()[self.view.trial].trial;
         let pass = &trial.passes[self.view.pass];
         let known = |value: f64| if value.is_finite() { value } else { 0.0 };
         let of = |values: &[f64]| -> Vec<f64> {
@@ -200,7 +200,7 @@ impl<'a> Places<'a> {
     fn removed_before(&self) -> f64 {
         let mut sum = 0.0;
         for (number, passes) in self.simulated.passes.iter().enumerate().take(self.view.trial + 1) {
-            if self.evidence.simulation.trials[number].trial.fresh {
+            if self.evidence.simulation.trials()[number].trial.fresh {
                 sum = 0.0;
             }
             let done = if number == self.view.trial { self.view.pass } else { passes.len() };

@@ -142,7 +142,7 @@ impl<'a> Ground<'a> {
 /// Largest mean measured depth after the passes of a split [m]; infinite when sanding, where scans show no depth.
 pub fn deepest(evidence: &ScanEvidence, simulated: &Simulated, split: Split) -> f64 {
     let depth = |view: &ScanView| {
-        let before = &evidence.simulation.trials[view.trial].trial.scans.before;
+        let before = &evidence.simulation.trials()[view.trial].trial.scans.before;
         Some(Ground::new(view, simulated)?.depth(before))
     };
     evidence.of(split).filter_map(depth).reduce(f64::max).unwrap_or(f64::INFINITY)
@@ -181,7 +181,7 @@ pub fn exposure(view: &ScanView, simulated: &Simulated) -> Option<ExposureFigure
 /// Registration of a scan on the scan before the first pass, over the untouched surface, and its levelled heights;
 /// `None` when sanding, or if too little is untouched.
 pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registration, HeightMap)> {
-    let trial = evidence.simulation.trials[view.trial].trial;
+    let trial = evidence.simulation.trials()[view.trial].trial;
     let data = view.data.as_heights()?;
     let (before, _) = despiked(&trial.scans.before);
     let mut free = vec![true; before.heights.len()];

@@ -151,7 +151,7 @@ impl<'a> Scans<'a> {
     }
 
     fn plateau(&self, view: &'a ScanView, simulated: &Simulated, pose: Pose) -> Option<super::track::PlateauFigures> {
-        let trial = self.evidence.simulation.trials[view.trial].trial;
+        let trial = self.evidence.simulation.trials()[view.trial].trial;
         let ground = self.ground(view, simulated, pose)?;
         let plateau =
             ground.plateau(&trial.scans.before, &trial.passes[view.pass], self.evidence.noise[view.trial].floor.rms);

@@ -12,6 +12,7 @@ mod keyence;
 mod meshes;
 mod plausible;
 mod poses;
+mod repeated;
 mod reproduced;
 mod scanner;
 mod shared;

@@ -8,6 +8,7 @@ use effects::{CompiledModel, Reset, RowCounts};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::recent::Recent;
 use crate::simulation::{SimulatedPass, Simulation, SimulationError, Variation};
 use trials::trial::Trial;
 
@@ -27,9 +28,10 @@ pub type Stop = Arc<AtomicBool>;
 /// The trials of a campaign, prepared for repeated simulation.
 pub struct CampaignSimulation<'a> {
     /// Trials in chronological order.
-    pub trials: Vec<Simulation<'a>>,
+    trials: Vec<Simulation<'a>>,
     /// Flag that ends a simulation in progress.
     pub stop: Stop,
+    recent: Recent,
 }
 
 impl<'a> CampaignSimulation<'a> {
@@ -44,7 +46,24 @@ impl<'a> CampaignSimulation<'a> {
             let voxel = voxel.unwrap_or(trial.scans.before.pixels.pitch);
             Simulation::new(trial, voxel, replay).map_err(|error| CampaignError { trial: trial.name.clone(), error })
         };
-        Ok(Self { trials: trials.par_iter().map(simulation).collect::<Result<_, _>>()?, stop: Stop::default() })
+        Ok(Self::of(trials.par_iter().map(simulation).collect::<Result<_, _>>()?, Stop::default()))
+    }
+
+    /// A campaign of trials that are prepared already, in chronological order.
+    pub fn of(trials: Vec<Simulation<'a>>, stop: Stop) -> Self {
+        Self { trials, stop, recent: Recent::default() }
+    }
+
+    /// Trials in chronological order.
+    pub fn trials(&self) -> &[Simulation<'a>] {
+        &self.trials
+    }
+
+    /// Limits the steps of each pass; `None` removes the limit.
+    pub fn limit_steps(&mut self, most: Option<usize>) {
+        let trials = self.trials.iter_mut();
+        trials.for_each(|trial| trial.change_settings(|settings| settings.most_steps = most));
+        self.recent.forget_longer(most.unwrap_or(usize::MAX));
     }
 
     /// The same trials on other lattices.
@@ -58,8 +77,7 @@ impl<'a> CampaignSimulation<'a> {
             own.again(ratio * own.part.voxel, &Variation::default())
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
-        let trials = self.trials.par_iter().map(simulation).collect::<Result<_, _>>()?;
-        Ok(Self { trials, stop: self.stop.clone() })
+        Ok(Self::of(self.trials.par_iter().map(simulation).collect::<Result<_, _>>()?, self.stop.clone()))
     }
 
     /// The same trials with small variations of the measured inputs.
@@ -74,7 +92,7 @@ impl<'a> CampaignSimulation<'a> {
                 .map_err(|error| CampaignError { trial: own.trial.name.clone(), error })
         };
         let trials = self.trials.par_iter().enumerate().map(simulation).collect::<Result<_, _>>()?;
-        Ok(Self { trials, stop: self.stop.clone() })
+        Ok(Self::of(trials, self.stop.clone()))
     }
 
     /// Row counts for a model with parameters per pass or per scan of the campaign.
@@ -93,7 +111,8 @@ impl<'a> CampaignSimulation<'a> {
         self.run_first(model, &all)
     }
 
-    /// As [`CampaignSimulation::run`], but only the first passes of each trial.
+    /// As [`CampaignSimulation::run`], but only the first passes of each trial. The latest results are kept: the same
+    /// model again is not simulated.
     ///
     /// - `passes`: number of passes of each trial
     ///
@@ -107,10 +126,16 @@ impl<'a> CampaignSimulation<'a> {
         let begins = |&k: &usize| k == 0 || (self.trials[k].trial.fresh && !lasting);
         let starts: Vec<usize> = (0..self.trials.len()).filter(begins).collect();
         let ends = starts.iter().skip(1).copied().chain([self.trials.len()]);
-        let groups: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
-        let run = |&(start, end): &(usize, usize)| self.run_group(model, passes, start..end);
-        let groups: Vec<_> = groups.par_iter().map(run).collect::<Result<_, _>>()?;
-        Ok(groups.into_iter().flatten().collect())
+        let groups: Vec<Range<usize>> = starts.iter().zip(ends).map(|(start, end)| *start..end).collect();
+        let known = if self.stop.load(Ordering::Relaxed) { None } else { self.recent.find(model, passes, &groups) };
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let run = |group: &Range<usize>| self.run_group(model, passes, group.clone());
+        let ran: Vec<_> = groups.par_iter().map(run).collect::<Result<_, _>>()?;
+        let ran = ran.into_iter().flatten().collect();
+        self.recent.keep(model, &ran);
+        Ok(ran)
     }
 
     fn run_group(

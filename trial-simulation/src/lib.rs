@@ -7,6 +7,7 @@
 
 mod campaign;
 mod pass_plan;
+mod recent;
 mod scanner;
 mod simulation;
 

@@ -174,8 +174,8 @@ impl ScanEvidence<'_> {
     /// # Errors
     /// If the model cannot be simulated.
     pub fn frame_estimate(&self, fit: &Fit) -> Result<Option<FrameEstimate>, EvidenceError> {
-        let scale = priors(self.simulation.trials[0].trial.frame_errors);
-        let rows = &self.simulation.trials[0].trial.passes[0].log.rows;
+        let scale = priors(self.simulation.trials()[0].trial.frame_errors);
+        let rows = &self.simulation.trials()[0].trial.passes[0].log.rows;
         let row = match &rows[..] {
             [first, .., last] => (last.time - first.time) / (rows.len() - 1) as f64,
             _ => 0.0,
@@ -202,13 +202,13 @@ impl ScanEvidence<'_> {
 
     /// Offset that is applied to the logs in simulated passes.
     pub(crate) fn logs_moved(&self) -> FrameValues {
-        let own = &self.simulation.trials[0];
+        let own = &self.simulation.trials()[0];
         let place = own.trial.frame_offset.and(&own.frame_offset);
         [place.shift.x, place.shift.y, place.yaw, place.lag]
     }
 
     fn trials(&self) -> Vec<&Trial> {
-        self.simulation.trials.iter().map(|simulation| simulation.trial).collect()
+        self.simulation.trials().iter().map(|simulation| simulation.trial).collect()
     }
 
     /// Change of the calibration residuals, each scan whitened separately, by all terms beside frame and clock: free

@@ -9,7 +9,7 @@ use crate::scans::ScanEvidence;
 
 /// Columns that all trials give in each row with the same dimension, and that vary.
 pub(crate) fn columns(evidence: &ScanEvidence) -> Vec<Variable> {
-    let trials: Vec<&Trial> = evidence.simulation.trials.iter().map(|simulation| simulation.trial).collect();
+    let trials: Vec<&Trial> = evidence.simulation.trials().iter().map(|simulation| simulation.trial).collect();
     let Some(first) = trials.first() else { return Vec::new() };
     first.columns.iter().filter_map(|column| variable(column, &trials)).collect()
 }

@@ -107,7 +107,7 @@ fn exposure(
     variables: &[Arc<Variable>],
 ) -> PassExposure {
     let covariates = pass.covariates.as_ref().expect("the simulation is watched");
-    let pixels = &evidence.simulation.trials[trial].trial.scans.before.pixels;
+    let pixels = &evidence.simulation.trials()[trial].trial.scans.before.pixels;
     let known = |value: &f64| if value.is_finite() { *value } else { 0.0 };
     let summed = |sum: &Vec<f64>| -> Vec<f64> {
         covariates.at(pixels, &sum.iter().map(known).collect::<Vec<f64>>()).iter().map(known).collect()

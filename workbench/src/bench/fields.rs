@@ -34,5 +34,5 @@ pub(super) fn fields(
         tool = state.tool;
         Ok(TrialFields { after })
     };
-    simulation.trials.iter().map(&mut of_trial).collect()
+    simulation.trials().iter().map(&mut of_trial).collect()
 }

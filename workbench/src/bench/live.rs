@@ -60,8 +60,9 @@ impl Live {
         model: &CompiledModel,
         report: &StudyReport,
     ) -> Result<Self, EvidenceError> {
-        let name =
-            |trial: usize, pass: usize| format!("{}, pass {}", evidence.simulation.trials[trial].trial.name, pass + 1);
+        let name = |trial: usize, pass: usize| {
+            format!("{}, pass {}", evidence.simulation.trials()[trial].trial.name, pass + 1)
+        };
         let of = |view: &lab::ScanView| {
             let own = name(view.trial, view.pass);
             let scan = report.scans.iter().find(|scan| scan.pass == own)?;

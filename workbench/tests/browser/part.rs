@@ -180,7 +180,7 @@ fn value_is_that_of_the_field(folder: &Path, at_mm: [f64; 3], removed_um: f64) {
     let data = measurements.data().unwrap();
     let (_, evidence) = data.scans().unwrap();
     let model = effects::CompiledModel::new(&model, library, lab::Evidence::rows(evidence)).unwrap();
-    let own = &evidence.simulation.trials[0];
+    let own = &evidence.simulation.trials()[0];
     let mut state = own.start(&model, trial_simulation::Simulation::fresh_states(&model), 0);
     for _ in &own.trial.passes {
         own.run_pass(&model, &mut state, &mut |_| {}).unwrap();
