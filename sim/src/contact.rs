@@ -6,6 +6,7 @@
 //! cells are subdivided (`subdivision`).
 
 mod border;
+mod columns;
 mod deepest_point;
 mod patch;
 mod rows;
@@ -19,8 +20,9 @@ use serde::Serialize;
 
 pub(crate) use self::border::HeightFieldFrame;
 use self::border::{Border, Cover, swept_spans};
+pub(crate) use self::columns::Columns;
 pub(crate) use self::deepest_point::DeepestPoint;
-use self::rows::{ClassifyCells, Covers, Depths, UNRESOLVED, rows_around};
+use self::rows::{ClassifyCells, Covers, Depths, NearColumns, UNRESOLVED, rows_around};
 use crate::clipped_cell::{ramp_mean, wet_share};
 use crate::height_field::HeightField;
 use crate::lines::{Lines, Run};
@@ -100,6 +102,8 @@ pub struct ContactCells {
     region: Region,
     /// Columns of each row of the region that may be under the working surface.
     columns: Vec<Range<usize>>,
+    /// Those of them whose cells may be in contact.
+    near: Vec<Range<usize>>,
     /// Travel along the axis up to which every cell stays entirely in contact or entirely out of contact [m].
     room: f64,
     /// Pose of the tool.
@@ -129,6 +133,7 @@ impl ContactCells {
             self.depth[line] -= gap;
         }
         self.remove_side_faces(&border, height_field);
+        lanes.dispatch(NearColumns { border: &border, height_field, contact_cells: self });
         lanes.dispatch(Covers { border: &border, height_field, contact_cells: self });
         self.settle(&border, height_field);
         let is_pad = matches!(tool, Tool::Pad(_)) && gap.is_empty();
@@ -176,7 +181,7 @@ impl ContactCells {
         }
         let across = height_field.window.size[1];
         for (place, row) in self.region.rows.clone().enumerate() {
-            let columns = &self.columns[place];
+            let columns = &self.near[place];
             let (mut line, end) = (row * across + columns.start, row * across + columns.end);
             while line < end {
                 if self.share[line] == UNRESOLVED {
@@ -267,18 +272,6 @@ impl ContactCells {
         start..(row * across + self.region.columns.end).clamp(start, lines.end)
     }
 
-    /// Views of consecutive columns on a height field `across` columns wide.
-    #[inline(always)]
-    pub(crate) fn columns(&self, lines: Range<usize>, across: usize) -> Columns<'_> {
-        let from = |first: usize| &self.depth[first..first + lines.len()];
-        Columns {
-            depth: from(lines.start),
-            beside: [lines.start - across, lines.start + across, lines.start - 1, lines.start + 1].map(from),
-            share: &self.share[lines.clone()],
-            cover: &self.cover[lines],
-        }
-    }
-
     /// Share of a cell whose height falls when the surface under the tool recedes; the rest belongs to the groove's
     /// side face.
     pub(crate) fn cover_of_groove(&self, line: usize) -> f64 {
@@ -294,39 +287,6 @@ impl ContactCells {
     /// True if any cell on the region's border is in contact: then the region may be too small.
     pub fn reaches_border(&self, height_field: &HeightField) -> bool {
         self.region.border(height_field.window.size[1]).any(|line| self.share[line] > 0.0)
-    }
-
-    /// Largest depth under the working surface [m]; negative when the tool is above the surface (the gap).
-    pub fn deepest(&self, place: &Placement, height_field: &HeightField) -> f64 {
-        self.under(place, height_field).map(|line| self.depth[line]).fold(f64::NEG_INFINITY, f64::max)
-    }
-}
-
-/// Consecutive columns of a row.
-pub(crate) struct Columns<'a> {
-    /// Depth at the columns [m], negative in the air, and at their neighbours.
-    pub(crate) depth: &'a [f64],
-    beside: [&'a [f64]; 4],
-    share: &'a [f64],
-    cover: &'a [f64],
-}
-
-impl Columns<'_> {
-    /// True if the depth curves as over flat work: by `-whole` [m] in all, within half of `bend` [m], the tool's own
-    /// second difference across a cell. Work that has taken the tool's shape curves less; edges and noise curve it
-    /// more.
-    #[inline(always)]
-    pub(crate) fn is_flat(&self, i: usize, [bend, whole]: [f64; 2]) -> bool {
-        let here = self.depth[i];
-        let along = (self.beside[0][i] - here) + (self.beside[1][i] - here);
-        let sideways = (self.beside[2][i] - here) + (self.beside[3][i] - here);
-        ((along + sideways + whole).abs() <= 0.5 * bend) & (along.abs() <= 1.5 * bend) & (sideways.abs() <= 1.5 * bend)
-    }
-
-    /// Cover of a cell in contact, 0 for others.
-    #[inline(always)]
-    pub(crate) fn cover(&self, i: usize) -> f64 {
-        if self.share[i] > 0.0 { self.cover[i] } else { 0.0 }
     }
 }
 

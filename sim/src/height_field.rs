@@ -8,6 +8,7 @@ mod read;
 mod slopes;
 
 use std::cell::OnceCell;
+use std::ops::Range;
 
 use glam::{DVec3, IVec3};
 
@@ -107,10 +108,10 @@ impl Window {
         self.size[0] * self.size[1]
     }
 
-    /// Lattice indices of all lines.
-    fn all_places(&self) -> impl Iterator<Item = (i32, i32)> {
+    /// Lattice indices of all lines, row by row.
+    fn rows(&self) -> impl Iterator<Item = (i32, Range<i32>)> {
         let Self { low: [i, j], size: [rows, across] } = *self;
-        (i..i + rows as i32).flat_map(move |i| (j..j + across as i32).map(move |j| (i, j)))
+        (i..i + rows as i32).map(move |i| (i, j..j + across as i32))
     }
 
     /// Lattice indices of a line.
@@ -230,9 +231,14 @@ impl HeightField {
         pulp::Arch::new().dispatch(Bend { height_field: self, rows: 0..rows, columns: 0..across });
     }
 
-    /// The same in a region of the height field.
+    /// The same in a region of the height field and around it.
     pub fn set_slopes_in(&mut self, region: &Region) {
-        let Region { rows, columns } = region.grown();
+        self.set_slopes_of(&region.grown());
+    }
+
+    /// The same for the columns of a rectangle.
+    pub(crate) fn set_slopes_of(&mut self, Region { rows, columns }: &Region) {
+        let (rows, columns) = (rows.clone(), columns.clone());
         pulp::Arch::new().dispatch(Bend { height_field: self, rows, columns });
     }
 }

@@ -1,5 +1,7 @@
 //! The signed distance along lattice lines, and the heights at which they leave the material.
 
+use std::ops::Range;
+
 use glam::IVec3;
 use sdf_bake::BrickGrid;
 use sdf_bake::grid::{BRICK_VOXELS, INSIDE, OUTSIDE};
@@ -54,11 +56,15 @@ impl Lattice {
         Self { facing, low, across, first, bricks: bricks as u32, slots, value_step }
     }
 
-    /// The line at lattice indices (i, j) of the window.
-    pub(crate) fn line(&self, (i, j): (i32, i32)) -> Line {
+    /// The lines of a row of a window, at lattice indices (i, j).
+    pub(crate) fn row(&self, i: i32, columns: Range<i32>) -> impl Iterator<Item = Line> + use<> {
         let (a, b) = self.facing.across();
-        let value = ((i & 7) * VALUE_STEPS[a] + (j & 7) * VALUE_STEPS[b]) as u32;
-        Line { brick: self.place_of([i >> 3, j >> 3]), value }
+        let (first, value, step) = (self.place_of([i >> 3, 0]), (i & 7) * VALUE_STEPS[a], VALUE_STEPS[b]);
+        let bricks = self.bricks as i32;
+        columns.map(move |j| Line {
+            brick: first.wrapping_add_signed((j >> 3) * bricks),
+            value: (value + (j & 7) * step) as u32,
+        })
     }
 
     /// Records the slot that a new brick of the window was given.
@@ -70,7 +76,7 @@ impl Lattice {
 
     /// Index of the first slot of a line's bricks.
     fn place_of(&self, [i, j]: [i32; 2]) -> u32 {
-        ((i - self.low[0]) * self.across + j - self.low[1]) as u32 * self.bricks
+        (((i - self.low[0]) * self.across + j - self.low[1]) as u32).wrapping_mul(self.bricks)
     }
 
     /// Slot of the brick at voxel `k` of a line, and the voxel's index among its values.
@@ -142,7 +148,9 @@ impl Lattice {
 
     /// φ [m] at the voxels about a crossing: the two from `below` on, one before them and one after.
     pub(crate) fn around(&self, grid: &BrickGrid, line: Line, below: i32) -> [f64; 4] {
-        [-1, 0, 1, 2].map(|step| f64::from(self.phi(grid, line, below + step)))
+        let mut values = [0.0; 4];
+        self.read(grid, line, below - 1, &mut values);
+        values.map(f64::from)
     }
 
     /// Writes φ [m] at consecutive voxels of a line from `first` on, brick by brick.
@@ -182,7 +190,7 @@ mod tests {
             let window = Window { low: [-40; 2], size: [79; 2] };
             let lattice = Lattice::new(&grid, facing, &window);
             for (i, j) in (-40..40).step_by(3).flat_map(|i| (-40..40).step_by(3).map(move |j| (i, j))) {
-                let line = lattice.line((i, j));
+                let line = lattice.row(i, j..j + 1).next().expect("a line");
                 for k in -40..40 {
                     let voxel = facing.voxel(i, j, k);
                     assert_eq!(lattice.phi(&grid, line, k), grid.phi_at(voxel), "{voxel}");

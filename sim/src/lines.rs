@@ -47,20 +47,22 @@ impl Lines {
     /// Replaces the content with the union of two lists, restricted to the columns that `keeps` accepts.
     pub fn merge(&mut self, a: &Self, b: &Self, keeps: impl Fn(usize) -> bool) {
         self.clear();
-        let (a, b) = (a.list(), b.list());
-        let mut add = |line: u32| {
-            if keeps(line as usize) {
-                self.push(line as usize);
-            }
+        let (mut a, mut b) = (a.runs.iter().peekable(), b.runs.iter().peekable());
+        let mut next = || match (a.peek(), b.peek()) {
+            (Some(first), Some(second)) if second.lines.start < first.lines.start => b.next(),
+            (None, _) => b.next(),
+            _ => a.next(),
         };
-        let (mut i, mut j) = (0, 0);
-        while i < a.len() && j < b.len() {
-            let (first, second) = (a[i], b[j]);
-            add(first.min(second));
-            i += usize::from(first <= second);
-            j += usize::from(second <= first);
+        let mut end = 0;
+        while let Some(Run { lines, .. }) = next() {
+            let mut line = lines.start.max(end);
+            while line < lines.end {
+                let kept = (line..lines.end).take_while(|line| keeps(*line)).count();
+                self.extend(line..line + kept);
+                line += kept + 1;
+            }
+            end = end.max(lines.end);
         }
-        a[i..].iter().chain(&b[j..]).for_each(|line| add(*line));
     }
 
     /// The column indices, one by one.

@@ -178,11 +178,16 @@ impl<'a> Physics<'a> {
         self.model.force_reading(&self.step, self.states)
     }
 
+    /// True if effects change the tool's shape or the workpiece's.
+    pub(crate) fn changes_shape(&self) -> bool {
+        self.model.has(Hook::Shape)
+    }
+
     /// Computes the distance that effects add between tool and workpiece [m], one value for each column of a region and
     /// around it; empty if no effect changes the shape.
     pub fn gap(&mut self, place: &Placement, ground: &Ground, out: &mut Vec<f64>) -> Result<(), RunError> {
         out.clear();
-        if !self.model.has(Hook::Shape) {
+        if !self.changes_shape() {
             return Ok(());
         }
         let mut lines = Lines::default();

@@ -42,6 +42,12 @@ impl Region {
         Self { rows: more(&self.rows), columns: more(&self.columns) }
     }
 
+    /// The same in a window of a size, as far as it reaches.
+    pub(crate) fn grown_within(&self, [rows, across]: [usize; 2]) -> Self {
+        let more = |range: &Range<usize>, size: usize| range.start.saturating_sub(1)..(range.end + 1).min(size);
+        Self { rows: more(&self.rows, rows), columns: more(&self.columns, across) }
+    }
+
     /// Its outermost columns; the corners appear twice.
     pub fn border(&self, across: usize) -> impl Iterator<Item = usize> {
         let Self { rows, columns } = self.clone();

@@ -14,6 +14,7 @@ use shaders::constants::STEEPEST;
 
 use self::reinitialize::reinitialize;
 use crate::height_field::{HeightField, NO_SURFACE};
+use crate::region::Region;
 
 /// Bounds to which the field's measured steepness is clamped.
 const STEEPNESS: (f64, f64) = (0.3, 2.0);
@@ -26,7 +27,8 @@ pub fn write_back(grid: &mut BrickGrid, height_field: &mut HeightField) {
     }
     let sunk: Vec<f64> =
         height_field.read_height.iter().zip(&height_field.height).map(|(read, now)| read - now).collect();
-    let Some(columns) = columns_to_change(height_field, &sunk) else { return };
+    let Some(changed) = changed_part(height_field, &sunk) else { return };
+    let columns = columns_to_change(grid, height_field, &changed);
     open_bricks(grid, height_field, &columns);
     for column in &columns {
         raise(grid, height_field, &sunk, column);
@@ -36,8 +38,8 @@ pub fn write_back(grid: &mut BrickGrid, height_field: &mut HeightField) {
             write_near(grid, height_field, line, Scalar::Removed, height_field.removed[line]);
         }
     }
-    height_field.set_slopes();
-    reinitialize(grid, height_field, &columns);
+    height_field.set_slopes_of(&changed);
+    reinitialize(grid, height_field, (&columns, &changed));
 }
 
 /// A column whose voxels may change, and its position in the window.
@@ -45,11 +47,13 @@ struct Column {
     line: usize,
     row: usize,
     across: usize,
+    /// Number of voxels above or below the surface that lie within the band.
+    reach: i32,
 }
 
-/// Columns whose voxels may have a receded column as their closest surface point. `sunk` is the recession of each
-/// column [m].
-fn columns_to_change(height_field: &HeightField, sunk: &[f64]) -> Option<Vec<Column>> {
+/// The part of the window whose voxels may have a receded column as their closest surface point. `sunk` is the
+/// recession of each column [m].
+fn changed_part(height_field: &HeightField, sunk: &[f64]) -> Option<Region> {
     let [rows, across] = height_field.window.size;
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
     for (row, sunk) in sunk.chunks_exact(across).enumerate() {
@@ -60,20 +64,26 @@ fn columns_to_change(height_field: &HeightField, sunk: &[f64]) -> Option<Vec<Col
     if low[0] == usize::MAX {
         return None;
     }
-    let from = |d: usize| low[d].saturating_sub(2);
-    let to = |d: usize, size: usize| (high[d] + 2).min(size - 1);
-    let columns = (from(0)..=to(0, rows)).flat_map(|row| {
-        (from(1)..=to(1, across)).map(move |place| Column { line: row * across + place, row, across: place })
-    });
-    Some(columns.filter(|column| height_field.read_height[column.line] > NO_SURFACE).collect())
+    let range = |d: usize, size: usize| low[d].saturating_sub(2)..(high[d] + 3).min(size);
+    Some(Region { rows: range(0, rows), columns: range(1, across) })
+}
+
+/// Columns of a part of the window that have a surface.
+fn columns_to_change(grid: &BrickGrid, height_field: &HeightField, part: &Region) -> Vec<Column> {
+    let across = height_field.window.size[1];
+    let column = |line: usize| {
+        let reach = reach(grid, height_field.area_ratio(line));
+        Column { line, row: line / across, across: line % across, reach }
+    };
+    part.lines(across).filter(|&line| height_field.read_height[line] > NO_SURFACE).map(column).collect()
 }
 
 /// Allocates bricks ahead of the receding surface.
 fn open_bricks(grid: &mut BrickGrid, height_field: &mut HeightField, columns: &[Column]) {
     let mut last = IVec3::MAX;
-    for &Column { line, .. } in columns {
+    for &Column { line, reach, .. } in columns {
         let (i, j) = height_field.window.place(line);
-        let below = floor(height_field.height[line] / height_field.pitch) - reach(grid, height_field.area_ratio(line));
+        let below = floor(height_field.height[line] / height_field.pitch) - reach;
         let brick = height_field.facing.voxel(i, j, below) >> 3;
         if brick != last {
             if let Some(slot) = grid.open_inside_brick(brick) {
@@ -109,7 +119,7 @@ fn raise(grid: &mut BrickGrid, height_field: &HeightField, sunk: &[f64], column:
     let (per_pitch, flatness) = (1.0 / height_field.pitch, 1.0 / area_ratio);
     let beside = [below, below + 1].map(|k| f64::from(height_field.lattice.phi(grid, on, k)));
     for (side, first, mut nearer) in [(1, below + 1, beside[0]), (-1, below, beside[1])] {
-        for step in 0..reach(grid, area_ratio) {
+        for step in 0..column.reach {
             let Some(at) = height_field.lattice.place(on, first + side * step) else { break };
             let phi = f64::from(grid.phi[at]);
             let rise = (phi - nearer) * f64::from(side);
@@ -118,7 +128,7 @@ fn raise(grid: &mut BrickGrid, height_field: &HeightField, sunk: &[f64], column:
             }
             // The closest surface point lies on another column.
             let around = BilinearStencil::of(height_field, column, slope * (phi * flatness * per_pitch));
-            let sunk = around.map_or(0.0, |around| around.mean(sunk));
+            let sunk = around.map_or(0.0, |around| around.mean(sunk, height_field.window.size[1]));
             if sunk > 0.0 {
                 let steepness = (rise * per_pitch * area_ratio).clamp(STEEPNESS.0, STEEPNESS.1) * flatness;
                 grid.phi[at] = ((phi + sunk * steepness) as f32).min(grid.band);
@@ -153,7 +163,8 @@ fn reach(grid: &BrickGrid, area_ratio: f64) -> i32 {
 
 /// The four columns around a point of the window, with their bilinear weights.
 struct BilinearStencil {
-    lines: [usize; 4],
+    /// The first column: the one of the lower row and place.
+    first: usize,
     weights: [f64; 4],
 }
 
@@ -166,18 +177,22 @@ impl BilinearStencil {
         if !(row >= 0.0 && place >= 0.0 && row <= (rows - 1) as f64 && place <= (across - 1) as f64) {
             return None;
         }
-        let (r, c) = ((row as usize).min(rows - 2), (place as usize).min(across - 2));
+        // Positions in a window fit an `i32`, to which a processor converts faster.
+        let (r, c) = ((row as i32 as usize).min(rows - 2), (place as i32 as usize).min(across - 2));
         let (fr, fc) = (row - r as f64, place - c as f64);
-        let first = r * across + c;
-        Some(Self {
-            lines: [first, first + 1, first + across, first + across + 1],
-            weights: [(1.0 - fr) * (1.0 - fc), (1.0 - fr) * fc, fr * (1.0 - fc), fr * fc],
-        })
+        let weights = [(1.0 - fr) * (1.0 - fc), (1.0 - fr) * fc, fr * (1.0 - fc), fr * fc];
+        Some(Self { first: r * across + c, weights })
+    }
+
+    /// The four columns of a window `across` columns wide.
+    #[inline(always)]
+    fn lines(&self, across: usize) -> [usize; 4] {
+        [self.first, self.first + 1, self.first + across, self.first + across + 1]
     }
 
     /// Weighted mean of per-column values.
     #[inline(always)]
-    fn mean(&self, values: &[f64]) -> f64 {
-        self.lines.iter().zip(self.weights).map(|(line, weight)| weight * values[*line]).sum()
+    fn mean(&self, values: &[f64], across: usize) -> f64 {
+        self.lines(across).into_iter().zip(self.weights).map(|(line, weight)| weight * values[line]).sum()
     }
 }

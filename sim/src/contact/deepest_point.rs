@@ -61,8 +61,20 @@ impl ContactCells {
         best
     }
 
+    /// Largest depth under the working surface [m]; negative when the tool is above the surface (the gap).
+    pub fn deepest(&self, place: &Placement, height_field: &HeightField) -> f64 {
+        let border = Border::new(&Placement::still(place.tool, place.pose), height_field);
+        let mut deepest = f64::NEG_INFINITY;
+        for line in self.region.lines(height_field.window.size[1]) {
+            if self.depth[line] > deepest && border.cover(height_field, line).share > 0.0 {
+                deepest = self.depth[line];
+            }
+        }
+        deepest
+    }
+
     /// Columns under the working surface of a tool that does not sweep.
-    pub(super) fn under(&self, place: &Placement, height_field: &HeightField) -> impl Iterator<Item = usize> {
+    fn under(&self, place: &Placement, height_field: &HeightField) -> impl Iterator<Item = usize> {
         let border = Border::new(&Placement::still(place.tool, place.pose), height_field);
         self.region.lines(height_field.window.size[1]).filter(move |&line| border.cover(height_field, line).share > 0.0)
     }

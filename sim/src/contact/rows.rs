@@ -33,6 +33,9 @@ pub(super) fn rows_around(
     })
 }
 
+/// Columns that are tested together for contact.
+const CHUNK: usize = 4;
+
 /// Positions of consecutive columns of a row in the tool's frame.
 #[inline(always)]
 fn local(border: &Border, height_field: &HeightField, lines: &Range<usize>) -> impl Iterator<Item = DVec3> {
@@ -79,6 +82,47 @@ impl pulp::NullaryFnOnce for Depths<'_> {
     }
 }
 
+/// Finds the columns of each row whose cells may be in contact. Cells farther in the air than a pitch are dry: the
+/// depth changes by less than a pitch across a cell. A pad that only moves along its axis keeps its covers, so it needs
+/// all of them; so does a tool whose cells are subdivided.
+pub(super) struct NearColumns<'a> {
+    pub(super) border: &'a Border<'a>,
+    pub(super) height_field: &'a HeightField,
+    pub(super) contact_cells: &'a mut ContactCells,
+}
+
+impl pulp::NullaryFnOnce for NearColumns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { border, height_field, contact_cells } = self;
+        let takes_all = matches!(border.tool, Tool::Pad(_)) || contact_cells.needs_subdivision(border);
+        let ContactCells { region, columns, near, depth, .. } = contact_cells;
+        near.clone_from(columns);
+        if takes_all {
+            return;
+        }
+        // Far beyond the rounding of the depths.
+        let dry = -1.01 * height_field.pitch - 2.0 * border.sunk();
+        for (row, columns) in region.rows.clone().zip(near) {
+            let first = row * height_field.window.size[1];
+            let depths = &depth[first + columns.start..first + columns.end];
+            let (before, after) = (dry_chunks(depths.chunks(CHUNK), dry), dry_chunks(depths.rchunks(CHUNK), dry));
+            let (most, from) = (columns.end, columns.start + (before * CHUNK).min(columns.len()));
+            let count = columns.end.saturating_sub(after * CHUNK).saturating_sub(from);
+            // Whole SIMD lanes.
+            *columns = from..(from + count.next_multiple_of(CHUNK)).min(most);
+        }
+    }
+}
+
+/// Number of chunks in the air, up to the first with a depth above `dry` [m].
+#[inline(always)]
+fn dry_chunks<'a>(chunks: impl Iterator<Item = &'a [f64]>, dry: f64) -> usize {
+    chunks.take_while(|chunk| chunk.iter().fold(true, |all, depth| all & (*depth <= dry))).count()
+}
+
 /// Computes the share of each cell under the working surface, [`UNRESOLVED`] where a wheel's border may cross it; in a
 /// sweep also the lag.
 pub(super) struct Covers<'a> {
@@ -93,7 +137,7 @@ impl pulp::NullaryFnOnce for Covers<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { border, height_field, contact_cells } = self;
-        for (row, columns) in contact_cells.region.rows.clone().zip(&contact_cells.columns) {
+        for (row, columns) in contact_cells.region.rows.clone().zip(&contact_cells.near) {
             let first = row * height_field.window.size[1];
             let lines = first + columns.start..first + columns.end;
             if lines.is_empty() {
@@ -177,7 +221,7 @@ impl pulp::NullaryFnOnce for ClassifyCells<'_> {
         let Self { border, height_field, contact_cells } = self;
         let (across, mut is_steady) = (height_field.window.size[1], true);
         for (place, row) in contact_cells.region.rows.clone().enumerate() {
-            let columns = &contact_cells.columns[place];
+            let columns = &contact_cells.near[place];
             let (first, count) = (row * across + columns.start, columns.len());
             is_steady &= if contact_cells.lag.is_empty() {
                 settle_row(contact_cells, (first, count), (across, height_field.pitch), (0.0, |_| 0.0))

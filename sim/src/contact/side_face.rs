@@ -19,11 +19,13 @@ impl ContactCells {
         let axis = border.frame.y;
         let is_along_u = axis.x.abs() > axis.y.abs();
         let rising = if is_along_u { axis.x } else { axis.y }.signum();
+        let half_width = 0.5 * border.tool.width();
         let (mut rims, rows) = ([usize::MAX; 2], Row::all(&self.region, height_field.window.size[1], is_along_u));
         for row in rows {
             let mut side_faces = [None; 2];
             for ((rim, side_face), outwards) in rims.iter_mut().zip(&mut side_faces).zip([1, -1]) {
-                let side = Side { border, height_field, row, outwards, sign: rising * outwards as f64 };
+                let sign = rising * outwards as f64;
+                let side = Side { border, height_field, row, outwards, sign, half_width };
                 *rim = side.rim((*rim).min(row.count - 1));
                 *side_face = side.side_face(&self.depth, *rim);
             }
@@ -62,6 +64,8 @@ struct Side<'a> {
     /// Direction in the row that leads out of the wheel, and the sign of the wheel's y on this side.
     outwards: isize,
     sign: f64,
+    /// Half of the wheel's width [m].
+    half_width: f64,
 }
 
 impl Side<'_> {
@@ -72,8 +76,9 @@ impl Side<'_> {
     }
 
     /// Distance of a column inside this side [m].
+    #[inline(always)]
     fn within(&self, line: usize) -> f64 {
-        0.5 * self.border.tool.width() - self.sign * self.border.frame.local(self.height_field.point(line)).y
+        self.half_width - self.sign * self.border.frame.local(self.height_field.point(line)).y
     }
 
     /// Share of a column's cell inside this side.

@@ -27,14 +27,19 @@ impl HeightField {
     ) -> Self {
         let lines = window.lines();
         let lattice = Lattice::new(grid, facing, &window);
-        let on = window.all_places().map(|place| lattice.line(place)).collect();
+        let (mut on, mut place) = (Vec::with_capacity(lines), Vec::with_capacity(lines));
+        for (i, columns) in window.rows() {
+            let u = f64::from(i) * grid.voxel;
+            on.extend(lattice.row(i, columns.clone()));
+            place.extend(columns.map(|j| [u, f64::from(j) * grid.voxel]));
+        }
         let mut height_field = Self {
             facing,
             pitch: grid.voxel,
             window,
             lattice,
             on,
-            place: window.all_places().map(|(i, j)| [i, j].map(|k| f64::from(k) * grid.voxel)).collect(),
+            place,
             read_height: Vec::new(),
             height: vec![NO_SURFACE; lines],
             levels: (f64::INFINITY, f64::NEG_INFINITY),

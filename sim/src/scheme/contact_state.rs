@@ -71,8 +71,9 @@ impl ContactState {
                 for Run { lines, lanes } in lines.runs() {
                     let (means, shares) =
                         (&contact_cells.mean_depth[lines.clone()], &contact_cells.share[lines.clone()]);
-                    share[lanes.clone()].copy_from_slice(shares);
-                    for ((depth, mean), share) in depth[lanes.clone()].iter_mut().zip(means).zip(shares) {
+                    let own = depth[lanes.clone()].iter_mut().zip(&mut share[lanes.clone()]);
+                    for (((depth, own), mean), share) in own.zip(means).zip(shares) {
+                        *own = *share;
                         *depth = if *share > 0.0 { mean / share } else { 0.0 };
                     }
                 }
@@ -170,9 +171,10 @@ fn recede_in_row(
     bends: [f64; 2],
 ) -> bool {
     let count = lanes.len();
-    let (own_a, cover_a) = (&mut start.own[lanes.clone()], &mut start.cover[lanes.clone()]);
-    let (own_b, cover_b) = (&mut end.own[lanes.clone()], &mut end.cover[lanes.clone()]);
-    let flats = &mut end.flat[lanes];
+    let (before, after) = (before.first(count), after.first(count));
+    let (own_a, cover_a) = (&mut start.own[lanes.clone()][..count], &mut start.cover[lanes.clone()][..count]);
+    let (own_b, cover_b) = (&mut end.own[lanes.clone()][..count], &mut end.cover[lanes.clone()][..count]);
+    let flats = &mut end.flat[lanes][..count];
     let mut any = false;
     for i in 0..count {
         let (a, b) = (before.depth[i], after.depth[i]);

@@ -52,6 +52,9 @@ pub(crate) struct Grinding {
     bent: f64,
     /// True if the previous step was applied to this height field and ends where the next begins.
     goes_on: bool,
+    /// Pose and region of the start's measurement on this height field, until a step is applied; `None` if effects
+    /// change the shape.
+    begun: Option<(Pose, Region)>,
 }
 
 impl Scheme for Grinding {
@@ -83,6 +86,7 @@ impl Scheme for Grinding {
     fn leave_height_field(&mut self) {
         self.bent = 0.0;
         self.goes_on = false;
+        self.begun = None;
     }
 
     fn goes_on(&self) -> bool {
@@ -98,6 +102,12 @@ impl Scheme for Grinding {
         if std::mem::take(&mut self.goes_on) {
             return Ok(());
         }
+        // A shorter step begins at the same pose.
+        let begun = (!physics.changes_shape()).then(|| (start.pose, self.region.clone()));
+        if begun.is_some() && self.begun == begun {
+            return Ok(());
+        }
+        self.begun = begun;
         self.start.measure(start, &Ground { height_field, region: &self.region }, physics, &mut self.gap)
     }
 
@@ -185,6 +195,7 @@ impl Scheme for Grinding {
 impl Grinding {
     /// Subdivides cells with curved depths from now on: for a tool that is held still.
     pub(crate) fn look_closer(&mut self) {
+        self.begun = None;
         self.start.contact_cells.look_closer();
         self.end.contact_cells.look_closer();
     }
@@ -299,5 +310,6 @@ impl Grinding {
             }
         }
         self.goes_on = true;
+        self.begun = None;
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Suspended {
     height_fields: HeightFields,
     memory: FormulaMemory,
     moment: Moment,
-    /// `None` once the recession is written back: then the next stretch reads the field again.
+    /// `None` in a copy.
     scheme: Option<Box<dyn Scheme>>,
 }
 
@@ -27,7 +27,9 @@ impl Suspended {
     /// Writes the recession back into the field. The next stretch reads the field again.
     pub(crate) fn settle(&mut self, grid: &mut BrickGrid) {
         self.height_fields.settle(grid);
-        self.scheme = None;
+        if let Some(scheme) = &mut self.scheme {
+            scheme.leave_height_field();
+        }
     }
 
     /// A copy of a pass whose recession is written back.
@@ -35,7 +37,7 @@ impl Suspended {
     /// # Panics
     /// Before [`Suspended::settle`].
     pub(crate) fn copy(&self) -> Self {
-        assert!(self.scheme.is_none(), "the field holds all that was lost");
+        assert!(self.height_fields.are_settled(), "the field holds all that was lost");
         let Self { motion, course, ref height_fields, ref memory, moment, .. } = *self;
         Self { motion, course, height_fields: height_fields.clone(), memory: memory.clone(), moment, scheme: None }
     }

@@ -39,6 +39,11 @@ impl HeightFields {
         }
         (self.last, self.travelled) = (None, 0.0);
     }
+
+    /// True if the field holds all recession.
+    pub(super) fn are_settled(&self) -> bool {
+        self.now.is_none()
+    }
 }
 
 impl<'a> Workpiece<'a> {

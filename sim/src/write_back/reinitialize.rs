@@ -7,44 +7,30 @@ use sdf_bake::redistance::KEPT_VOXELS;
 
 use super::{BilinearStencil, Column, floor, reach};
 use crate::height_field::{HeightField, NO_SURFACE};
+use crate::region::Region;
 use sdf_bake::simd::in_wide_lanes;
 
 /// Voxel index for a column without a surface: far from every index in use.
 const NOWHERE: i32 = i32::MAX / 2;
 
-/// Reinitialises the far voxels of columns.
-pub(super) fn reinitialize(grid: &mut BrickGrid, height_field: &HeightField, columns: &[Column]) {
-    let layers = columns.iter().map(|column| reach(grid, height_field.area_ratio(column.line))).max().unwrap_or(0);
-    let mut near = Near::read(grid, height_field, (columns, layers));
-    let nearer = [1.0, -1.0].map(|side| -> Vec<Option<BilinearStencil>> {
-        let around = |column: &Column| {
-            BilinearStencil::of(height_field, column, DVec2::from(height_field.slope[column.line]) * side)
-        };
-        columns.iter().map(around).collect()
-    });
+/// Reinitialises the far voxels of columns, which all lie in a part of the window.
+pub(super) fn reinitialize(grid: &mut BrickGrid, height_field: &HeightField, (columns, part): (&[Column], &Region)) {
+    let steepest = columns.iter().map(|column| height_field.area_ratio(column.line)).fold(0.0, f64::max);
+    let layers = if columns.is_empty() { 0 } else { reach(grid, steepest) };
+    let mut near = Near::read(grid, height_field, (part, layers));
+    let sources = [1, -1].map(|side| near.sources(height_field, columns, side));
     let mut renewed = Vec::new();
     for layer in 1..=layers {
         // All distances are found before any is written, so that the order of the columns does not matter.
         renewed.clear();
-        for (side, nearer) in [1, -1].into_iter().zip(&nearer) {
+        for (side, sources) in [1, -1].into_iter().zip(&sources) {
             in_wide_lanes(
                 #[inline(always)]
-                || near.find((grid, height_field), (columns, nearer), (layer, side), &mut renewed),
+                || near.find((grid, height_field), sources, (layer, side), &mut renewed),
             );
         }
         renewed.drain(..).for_each(|far| near.write((grid, height_field), &far));
     }
-}
-
-/// Lines of the smallest rectangle with all columns and their neighbours, in a window of a size.
-fn lines_around(columns: &[Column], [rows, across]: [usize; 2]) -> impl Iterator<Item = usize> {
-    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-    for &Column { row, across: place, .. } in columns {
-        (low, high) = ([low[0].min(row), low[1].min(place)], [high[0].max(row), high[1].max(place)]);
-    }
-    let range = |d: usize, size: usize| low[d].saturating_sub(1)..(high[d] + 2).min(size);
-    let places = range(1, across);
-    range(0, rows).flat_map(move |row| places.clone().map(move |place| row * across + place))
 }
 
 /// Cached φ near the surface of each column; beyond the cache the field is read.
@@ -56,23 +42,35 @@ struct Near {
     count: usize,
 }
 
+/// The columns from which the far voxels of a column on one side take their distance, with their bilinear weights.
+struct Source {
+    line: u32,
+    lines: [u32; 4],
+    /// Position among each one's cached voxels of the voxel that is level with the one below the column's own surface.
+    level: [i32; 4],
+    weights: [f64; 4],
+}
+
 /// A voxel that carries no zero set, and its new distance.
 struct Far {
     line: usize,
     k: i32,
     at: usize,
+    /// Index in the cache.
+    cached: usize,
     phi: f32,
 }
 
 impl Near {
-    /// Reads `layers` voxels on either side of the surface from the field, at the columns and next to them.
-    fn read(grid: &BrickGrid, height_field: &HeightField, (columns, layers): (&[Column], i32)) -> Self {
+    /// Reads `layers` voxels on either side of the surface from the field, in a part of the window and next to it.
+    fn read(grid: &BrickGrid, height_field: &HeightField, (part, layers): (&Region, i32)) -> Self {
         let voxel_below =
             |height: &f64| if *height > NO_SURFACE { floor(height / height_field.pitch) } else { NOWHERE };
+        let [rows, across] = height_field.window.size;
         let mut below = vec![NOWHERE; height_field.window.lines()];
         let count = 2 * layers as usize;
         let mut phi = vec![0.0; below.len() * count];
-        for line in lines_around(columns, height_field.window.size) {
+        for line in part.grown_within([rows, across]).lines(across) {
             below[line] = voxel_below(&height_field.height[line]);
             if below[line] != NOWHERE {
                 let phi = &mut phi[line * count..(line + 1) * count];
@@ -82,17 +80,19 @@ impl Near {
         Self { below, phi, count }
     }
 
-    /// Index of voxel `k` of a column in the cache; `None` outside it.
-    #[inline(always)]
-    fn place(&self, line: usize, k: i32) -> Option<usize> {
-        let at = (k - self.below[line] - 1 + self.count as i32 / 2) as usize;
-        (at < self.count).then(|| line * self.count + at)
-    }
-
-    /// φ [m] of voxel `k` of a column.
-    #[inline(always)]
-    fn phi(&self, (grid, height_field): (&BrickGrid, &HeightField), line: usize, k: i32) -> f32 {
-        self.place(line, k).map_or_else(|| height_field.lattice.phi(grid, height_field.on[line], k), |at| self.phi[at])
+    /// The sources of columns on one side of the surface. A column whose source lies beyond the window has none.
+    fn sources(&self, height_field: &HeightField, columns: &[Column], side: i32) -> Vec<Source> {
+        let source = |column: &Column| {
+            let off = DVec2::from(height_field.slope[column.line]) * f64::from(side);
+            let around = BilinearStencil::of(height_field, column, off)?;
+            let lines = around.lines(height_field.window.size[1]);
+            let level = lines.map(|line| self.below[column.line] - self.below[line] - 1 + self.count as i32 / 2);
+            let weights = around.weights;
+            Some(Source { line: column.line as u32, lines: lines.map(|line| line as u32), level, weights })
+        };
+        let mut sources = Vec::with_capacity(columns.len());
+        sources.extend(columns.iter().filter_map(source));
+        sources
     }
 
     /// Finds the new distances of the voxels in one layer on one side of the surface that carry no zero set. Voxels
@@ -101,36 +101,50 @@ impl Near {
     fn find(
         &self,
         (grid, height_field): (&BrickGrid, &HeightField),
-        (columns, nearer): (&[Column], &[Option<BilinearStencil>]),
+        sources: &[Source],
         (layer, side): (i32, i32),
         out: &mut Vec<Far>,
     ) {
         let (kept, sign) = ((KEPT_VOXELS * height_field.pitch) as f32, side as f32);
-        for (&Column { line, .. }, nearer) in columns.iter().zip(nearer) {
-            let k = self.below[line] + if side > 0 { layer } else { 1 - layer };
-            if self.phi((grid, height_field), line, k) * sign <= kept {
+        let above_below = if side > 0 { layer } else { 1 - layer };
+        for source in sources {
+            let line = source.line as usize;
+            let cached = line * self.count + (above_below - 1 + self.count as i32 / 2) as usize;
+            if self.phi[cached] * sign <= kept {
                 continue;
             }
+            let k = self.below[line] + above_below;
+            let Some(nearer) = self.mean((grid, height_field), source, (k, side)) else { continue };
             let Some(at) = height_field.lattice.place(height_field.on[line], k) else { continue };
-            let Some(nearer) = nearer.as_ref().and_then(|nearer| self.mean((grid, height_field), nearer, k - side))
-            else {
-                continue;
-            };
             let distance = (nearer * f64::from(side)).max(0.0) + height_field.pitch * height_field.area_ratio(line);
-            out.push(Far { line, k, at, phi: (distance as f32).clamp(kept, grid.band) * sign });
+            out.push(Far { line, k, at, cached, phi: (distance as f32).clamp(kept, grid.band) * sign });
         }
     }
 
-    /// Mean of φ [m] at voxel `k` over the columns around a point; `None` if one of them is beyond the band.
+    /// Mean of φ [m] over a source, one voxel nearer to the surface than voxel `k`; `None` if one of the columns is
+    /// beyond the band there.
     #[inline(always)]
-    fn mean(&self, field: (&BrickGrid, &HeightField), around: &BilinearStencil, k: i32) -> Option<f64> {
-        let (mut sum, mut known) = (0.0, true);
-        for (line, weight) in around.lines.iter().zip(around.weights) {
-            let phi = self.phi(field, *line, k);
-            known &= (phi.abs() < field.0.band) | (weight == 0.0);
-            sum += weight * f64::from(phi);
+    fn mean(
+        &self,
+        (grid, height_field): (&BrickGrid, &HeightField),
+        source: &Source,
+        (k, side): (i32, i32),
+    ) -> Option<f64> {
+        let above = k - self.below[source.line as usize] - side;
+        let mut values = [0.0f32; 4];
+        for (i, phi) in values.iter_mut().enumerate() {
+            let (line, place) = (source.lines[i] as usize, (source.level[i] + above) as usize);
+            *phi = if place < self.count {
+                self.phi[line * self.count + place]
+            } else {
+                height_field.lattice.phi(grid, height_field.on[line], k - side)
+            };
         }
-        known.then_some(sum)
+        let is_known = |phi: &f32| phi.abs() < grid.band;
+        let weighted = || values.iter().zip(source.weights);
+        // A column without weight need not be known.
+        let known = values.iter().all(is_known) || weighted().all(|(phi, weight)| is_known(phi) || weight == 0.0);
+        known.then(|| weighted().map(|(phi, weight)| weight * f64::from(*phi)).fold(0.0, |sum, part| sum + part))
     }
 
     /// Writes a distance. A voxel that was inside, beyond the band, takes the label of the voxel above it.
@@ -140,8 +154,6 @@ impl Near {
             grid.label[far.at] = above.map_or(0, |above| grid.label[above]);
         }
         grid.phi[far.at] = far.phi;
-        if let Some(at) = self.place(far.line, far.k) {
-            self.phi[at] = far.phi;
-        }
+        self.phi[far.cached] = far.phi;
     }
 }
