@@ -98,10 +98,11 @@ const PLACES: [Hook; 12] = [
 ];
 
 impl CompiledModel {
-    /// True for a copy of the same compiled model with exactly the same values.
+    /// True for the same laws and effects with exactly the same values, compiled for the same campaign.
     pub fn is_same(&self, other: &Self) -> bool {
         let bits = |model: &Self| -> Vec<u64> { model.values.iter().map(|value| value.to_bits()).collect() };
-        Arc::ptr_eq(&self.structure, &other.structure) && bits(self) == bits(other)
+        let has_same_effects = || self.process() == other.process() && self.effects().eq(other.effects());
+        bits(self) == bits(other) && (Arc::ptr_eq(&self.structure, &other.structure) || has_same_effects())
     }
 
     /// Compiles a model for a campaign with the given numbers of passes and scans. Effects act in the library's order,
