@@ -111,7 +111,7 @@ impl<'a> CampaignSimulation<'a> {
         self.run_first(model, &all)
     }
 
-    /// As [`CampaignSimulation::run`], but only the first passes of each trial. The latest results are kept: the same
+    /// As [`CampaignSimulation::run`], but only the first passes of each trial. The latest result is kept: the same
     /// model again is not simulated.
     ///
     /// - `passes`: number of passes of each trial

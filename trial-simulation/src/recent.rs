@@ -1,6 +1,5 @@
-//! The latest results of a campaign's simulation: a fit often asks again for the model that it has just ended at.
+//! The latest result of a campaign's simulation: a fit often asks again for the model that it has just ended at.
 
-use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,46 +7,38 @@ use effects::CompiledModel;
 
 use crate::simulation::SimulatedPass;
 
-/// Number of results that are kept; two threads that fit different models share them.
-const KEPT: usize = 4;
-
 /// Passes of each trial.
 type Passes = Vec<Vec<SimulatedPass>>;
 
-/// Results by model, the latest last.
+/// The latest result with its model. It is only one, because the passes of a large scan take much memory.
 #[derive(Default)]
-pub(crate) struct Recent(Mutex<VecDeque<(CompiledModel, Arc<Passes>)>>);
+pub(crate) struct Recent(Mutex<Option<(CompiledModel, Arc<Passes>)>>);
 
 impl Recent {
-    /// The first passes of each trial as the same model made them, if its kept result has them.
+    /// The first passes of each trial, if the latest result is of the same model and has them.
     ///
     /// - `passes`: number of passes of each trial
     /// - `groups`: trials that share a tool, so that each depends on all passes of those before it
     pub fn find(&self, model: &CompiledModel, passes: &[usize], groups: &[Range<usize>]) -> Option<Passes> {
-        let found = {
-            let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            let holds = |(other, ran): &&(CompiledModel, Arc<Passes>)| {
-                model.is_same(other) && groups.iter().all(|group| covers(&ran[group.clone()], &passes[group.clone()]))
-            };
-            kept.iter().rev().find(holds)?.1.clone()
-        };
-        Some(found.iter().zip(passes).map(|(ran, count)| ran[..*count].to_vec()).collect())
+        let (of, ran) = self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+        let is_covered = |group: &Range<usize>| covers(&ran[group.clone()], &passes[group.clone()]);
+        let holds = model.is_same(&of) && groups.iter().all(is_covered);
+        holds.then(|| ran.iter().zip(passes).map(|(ran, count)| ran[..*count].to_vec()).collect())
     }
 
-    /// Keeps a result, and forgets the oldest.
+    /// Keeps a result in place of the one before. Maps of covariates are not kept: they are large, and asked for once.
     pub fn keep(&self, model: &CompiledModel, ran: &Passes) {
-        let entry = (model.clone(), Arc::new(ran.clone()));
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.push_back(entry);
-        if kept.len() > KEPT {
-            kept.pop_front();
+        if ran.iter().flatten().any(|pass| pass.covariates.is_some()) {
+            return;
         }
+        let latest = Some((model.clone(), Arc::new(ran.clone())));
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = latest;
     }
 
-    /// Forgets the results with a pass of at least this many steps.
+    /// Forgets a result with a pass of at least this many steps.
     pub fn forget_longer(&mut self, most: usize) {
-        let kept = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|(_, ran)| ran.iter().flatten().all(|pass| pass.record.steps < most));
+        let latest = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        latest.take_if(|(_, ran)| ran.iter().flatten().any(|pass| pass.record.steps >= most));
     }
 }
 
