@@ -99,6 +99,7 @@ pub const SIMULATE_REDUCE: Kernel = simulation!("simulate_reduce", []);
 pub const SIMULATE_CONTROL: Kernel = simulation!(
     "simulate_control",
     [
+        "trial_forces.wgsl",
         "trial_balance.wgsl",
         "trial_moment.wgsl",
         "trial_plan.wgsl",

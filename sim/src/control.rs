@@ -21,6 +21,8 @@ pub struct Motion {
 pub struct Balance {
     /// Motion at the start of the step.
     pub from: Motion,
+    /// Contact at the start of the step.
+    pub start: StartContact,
     /// F_set [N].
     pub setpoint: f64,
     /// B [N s/m]; 0 for an ideal controller.
@@ -29,20 +31,31 @@ pub struct Balance {
     pub mass: f64,
     /// Length of the step [s]; 0 for a static balance.
     pub dt: f64,
-    /// Force at the start of the step [N].
-    pub start_force: f64,
     /// Weight of the end force in the mean over the step, 1/2 to 1: exact for a spring on a damper.
     pub weight: f64,
     /// Tolerance of the force [N].
     pub tolerance: f64,
     /// Lowest and highest travel [m].
     pub bounds: (f64, f64),
+    /// Greatest change of the force in the step, and greatest inertial force [N]; `None` if any are allowed.
+    pub allowed: Option<(f64, f64)>,
+}
+
+/// Contact at the start of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StartContact {
+    /// Force that the controller reads [N].
+    pub force: f64,
+    /// -dF/dz [N/m].
+    pub stiffness: f64,
+    /// Speed of the surface along the tool's travel in the last step [m/s].
+    pub surface_speed: f64,
 }
 
 /// Force at a travel, its stiffness -dF/dz [N/m], and the maximum depth under the tool (negative: the gap) [m].
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
-    /// [N]
+    /// Force that the controller reads [N].
     pub force: f64,
     /// [N/m]
     pub stiffness: f64,
@@ -50,65 +63,107 @@ pub struct Response {
     pub depth: f64,
 }
 
+/// Result of the search for a balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Found<T> {
+    /// The balance.
+    Balance(T),
+    /// Nothing is touched within the bounds.
+    Nothing,
+    /// In the balance, the changes in the step would be greater than those allowed.
+    TooFast,
+}
+
+impl<T> Found<T> {
+    /// The balance in other terms.
+    pub fn map<U>(self, express: impl FnOnce(T) -> U) -> Found<U> {
+        match self {
+            Self::Balance(balance) => Found::Balance(express(balance)),
+            Self::Nothing => Found::Nothing,
+            Self::TooFast => Found::TooFast,
+        }
+    }
+
+    /// The balance, if there is one.
+    pub fn balance(self) -> Option<T> {
+        match self {
+            Self::Balance(balance) => Some(balance),
+            Self::Nothing | Self::TooFast => None,
+        }
+    }
+}
+
 impl Balance {
-    /// Finds the travel near `guess`, safeguarded by brackets; `None` if nothing is touched within the bounds. The
-    /// steps are Newton's, with a slope that is scaled by what the step before it has shown: a stiffness misses what
-    /// the law adds where it depends on the speed of the approach or on the state, and Newton's steps alone would then
-    /// converge slowly, or not at all.
+    /// Travel at which the balance is foreseen [m]: that of a spring on a surface that moves as in the last step.
+    pub fn foreseen(&self) -> f64 {
+        let Self { from, start, damping, mass, dt, weight, .. } = *self;
+        if dt == 0.0 {
+            return from.travel;
+        }
+        let spring = weight * start.stiffness * dt;
+        let resistance = damping + mass / dt + spring;
+        let excess = start.force - self.setpoint + mass / dt * from.speed + spring * start.surface_speed;
+        from.travel + dt * if resistance > 0.0 { excess / resistance } else { from.speed }
+    }
+
+    /// True if greater changes than those allowed are foreseen.
+    pub fn is_foreseen_too_fast(&self) -> bool {
+        let (travel, StartContact { force, stiffness, surface_speed }) = (self.foreseen(), self.start);
+        let sinking = self.from.travel + self.dt * surface_speed - travel;
+        self.is_too_fast(travel, force + stiffness * sinking, 0.0)
+    }
+
+    /// Finds the travel near `guess`, safeguarded by brackets. The steps are Newton's, with a slope that is scaled by
+    /// what the step before it has shown: a stiffness misses what the law adds where it depends on the speed of the
+    /// approach or on the state, and Newton's steps alone would then converge slowly, or not at all. `scale` is that
+    /// share of the slope; the next search goes on from it. The search ends as soon as the balance is sure to be
+    /// [`Found::TooFast`].
     ///
     /// # Errors
     /// The first error of `respond`.
-    pub fn solve<E>(&self, guess: f64, mut respond: impl FnMut(f64) -> Result<Response, E>) -> Result<Option<f64>, E> {
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut stride, mut nudge) = (FIRST_STRIDE, 0.5 * FIRST_NUDGE);
+    pub fn solve<E>(
+        &self,
+        guess: f64,
+        scale: &mut f64,
+        mut respond: impl FnMut(f64) -> Result<Response, E>,
+    ) -> Result<Found<f64>, E> {
+        let mut search = Search::new(self, *scale);
         let mut travel = guess.clamp(self.bounds.0, self.bounds.1);
-        let mut before = None;
-        let drag = if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 };
+        let mut force = self.start.force;
         for _ in 0..EVALUATIONS {
             let response = respond(travel)?;
-            let excess = self.excess(travel, response.force);
+            force = response.force;
+            let excess = self.excess(travel, force);
             if excess.abs() <= self.tolerance {
-                return Ok(Some(travel));
+                break;
             }
-            if excess > 0.0 {
-                low = travel
-            } else {
-                high = travel
+            if self.is_too_fast(travel, force, excess.abs()) {
+                return Ok(Found::TooFast);
             }
-            let slope = self.weight * response.stiffness + drag;
-            let step = if slope > 0.0 {
-                let now = Evaluation { travel, excess, slope };
-                let scale = before.and_then(|before| now.scale(before)).unwrap_or(1.0);
-                before = Some(now);
-                // A first touch is far softer than the patch into which it grows.
-                let next = travel + excess / (scale * slope);
-                stride *= 4.0;
-                if low.is_finite() { next } else { next.max(travel - stride) }
-            } else if response.depth == f64::NEG_INFINITY {
-                return Ok(None);
-            } else {
-                // Moves down to the surface and a little into it, more each time: a patch far below a voxel has no
-                // force.
-                nudge *= 2.0;
-                travel + response.depth.min(0.0) * (1.0 + 1e-9) - nudge
-            };
-            travel = match (step > low, step < high) {
-                (true, true) => step,
-                _ if low.is_finite() && high.is_finite() => 0.5 * (low + high),
-                _ => step,
-            };
-            if travel.is_nan() || travel < self.bounds.0 {
-                // The first touch of a wide tool is so soft that the step overshoots far below the balance.
-                if travel.is_nan() || high <= self.bounds.0 {
-                    return Ok(None);
-                }
-                travel = self.bounds.0;
+            let Some(next) = search.next(travel, excess, &response) else { return Ok(Found::Nothing) };
+            *scale = search.scale;
+            if search.high - search.low < 1e-14 {
+                travel = search.low;
+                break;
             }
-            if high - low < 1e-14 {
-                return Ok(Some(low));
-            }
+            travel = next;
         }
-        Ok(Some(travel))
+        Ok(if self.is_too_fast(travel, force, 0.0) { Found::TooFast } else { Found::Balance(travel) })
+    }
+
+    /// Rate at which damping and inertia grow with the depth [N/m].
+    fn drag(&self) -> f64 {
+        if self.dt > 0.0 { self.damping / self.dt + self.mass / (self.dt * self.dt) } else { 0.0 }
+    }
+
+    /// True if the balance is sure to change more than is allowed, seen from a travel at which the force is in excess
+    /// by `doubt` [N]: force, damping and inertia all grow with the depth, so each of them is at most as far from its
+    /// value in the balance.
+    fn is_too_fast(&self, travel: f64, force: f64, doubt: f64) -> bool {
+        let Some((change, inertia)) = self.allowed else { return false };
+        let speed = (travel - self.from.travel) / self.dt;
+        let inertial_force = (self.mass * (speed - self.from.speed) / self.dt).abs();
+        inertial_force - doubt > inertia || (force - self.start.force).abs() - doubt / self.weight > change
     }
 
     /// Force in excess of the controller's law [N].
@@ -117,8 +172,68 @@ impl Balance {
             return force - self.setpoint;
         }
         let speed = (travel - self.from.travel) / self.dt;
-        let force = self.start_force + self.weight * (force - self.start_force);
-        force - self.setpoint - self.damping * speed - self.mass * (speed - self.from.speed) / self.dt
+        let mean = self.start.force + self.weight * (force - self.start.force);
+        mean - self.setpoint - self.damping * speed - self.mass * (speed - self.from.speed) / self.dt
+    }
+}
+
+/// A search for a balance in progress.
+struct Search<'a> {
+    balance: &'a Balance,
+    /// Travels known to be too low and too high [m].
+    low: f64,
+    high: f64,
+    /// Longest next motion into a surface that was just touched [m].
+    stride: f64,
+    /// Next motion into a surface without a force [m].
+    nudge: f64,
+    /// Share of the slope that was seen.
+    scale: f64,
+    before: Option<Evaluation>,
+}
+
+impl<'a> Search<'a> {
+    fn new(balance: &'a Balance, scale: f64) -> Self {
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { balance, low, high, stride: FIRST_STRIDE, nudge: 0.5 * FIRST_NUDGE, scale, before: None }
+    }
+
+    /// The travel to be tried after one with an excess force [N]; `None` if nothing is touched within the bounds.
+    fn next(&mut self, travel: f64, excess: f64, response: &Response) -> Option<f64> {
+        if excess > 0.0 {
+            self.low = travel
+        } else {
+            self.high = travel
+        }
+        let step = self.step(travel, excess, response)?;
+        let next = match (step > self.low, step < self.high) {
+            (true, true) => step,
+            _ if self.low.is_finite() && self.high.is_finite() => 0.5 * (self.low + self.high),
+            _ => step,
+        };
+        let lowest = self.balance.bounds.0;
+        if next.is_nan() || (next < lowest && self.high <= lowest) {
+            return None;
+        }
+        // The first touch of a wide tool is so soft that the step overshoots far below the balance.
+        Some(next.max(lowest))
+    }
+
+    /// The end of a step of the search.
+    fn step(&mut self, travel: f64, excess: f64, response: &Response) -> Option<f64> {
+        let slope = self.balance.weight * response.stiffness + self.balance.drag();
+        if slope > 0.0 {
+            let now = Evaluation { travel, excess, slope };
+            self.scale = self.before.and_then(|before| now.scale(before)).unwrap_or(self.scale);
+            self.before = Some(now);
+            // A first touch is far softer than the patch into which it grows.
+            let next = travel + excess / (self.scale * slope);
+            self.stride *= 4.0;
+            return Some(if self.low.is_finite() { next } else { next.max(travel - self.stride) });
+        }
+        // Moves down to the surface and a little into it, more each time: a patch far below a voxel has no force.
+        self.nudge *= 2.0;
+        (response.depth > f64::NEG_INFINITY).then(|| travel + response.depth.min(0.0) * (1.0 + 1e-9) - self.nudge)
     }
 }
 
@@ -157,108 +272,4 @@ pub fn admittance_sample(motion: Motion, force: f64, setpoint: f64, (mass, dampi
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Balance of an ideal controller.
-    const IDEAL: Balance = Balance {
-        from: Motion { travel: 0.0, speed: 0.0 },
-        setpoint: 15.0,
-        damping: 0.0,
-        mass: 0.0,
-        dt: 0.01,
-        start_force: 0.0,
-        weight: 1.0,
-        tolerance: 1e-9,
-        bounds: (-0.02, 0.02),
-    };
-
-    #[test]
-    fn a_linear_spring_is_balanced_from_the_air_and_from_too_deep() {
-        let spring = |z: f64| {
-            let stiffness = if z < 0.0 { 1e6 } else { 0.0 };
-            Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness, depth: -z })
-        };
-        for guess in [0.01, -0.015, 0.0] {
-            let travel = IDEAL.solve(guess, spring).unwrap().expect("a balance");
-            assert!((travel + 15e-6).abs() < 1e-12, "{travel}");
-        }
-        // A disc on a dome meets 20 N/m at first, and 3e4 N/m in the end.
-        let dome = |z: f64| {
-            let depth = (-z - 1e-3).max(0.0);
-            let stiffness = 20.0 * f64::from(depth > 0.0) + 6e7 * depth;
-            Ok::<_, ()>(Response { force: 20.0 * depth + 3e7 * depth * depth, stiffness, depth: -z - 1e-3 })
-        };
-        let travel = IDEAL.solve(0.01, dome).unwrap().expect("a balance");
-        assert!((dome(travel).unwrap().force - 15.0).abs() < 1e-6, "{travel}");
-        let nothing = |_| Ok::<_, ()>(Response { force: 0.0, stiffness: 0.0, depth: f64::NEG_INFINITY });
-        assert_eq!(IDEAL.solve(0.0, nothing), Ok(None));
-    }
-
-    #[test]
-    fn a_contact_stiffer_than_its_reported_stiffness_is_balanced_within_few_evaluations() {
-        // Newton's steps with half of the true stiffness or less would go round for ever.
-        for share in [0.5, 0.3, 0.01] {
-            let mut evaluations = 0;
-            let travel = IDEAL.solve(-1e-6, |z: f64| {
-                evaluations += 1;
-                Ok::<_, ()>(Response { force: (-1e6 * z).max(0.0), stiffness: share * 1e6, depth: -z })
-            });
-            assert!((travel.unwrap().expect("a balance") + 15e-6).abs() < 1e-12);
-            assert!(evaluations <= 8, "{share}: {evaluations}");
-        }
-    }
-
-    #[test]
-    fn steps_on_a_quadratic_contact_of_the_reported_stiffness_are_newtons() {
-        let contact = |depth: f64| (1e6 * depth + 2e10 * depth * depth, 1e6 + 4e10 * depth);
-        let mut depths = Vec::new();
-        let travel = IDEAL.solve(-50e-6, |z: f64| {
-            depths.push(-z);
-            let (force, stiffness) = contact(-z);
-            Ok::<_, ()>(Response { force, stiffness, depth: -z })
-        });
-        assert!((contact(-travel.unwrap().expect("a balance")).0 - 15.0).abs() < 1e-9);
-        for pair in depths.windows(2) {
-            let (force, stiffness) = contact(pair[0]);
-            assert!((pair[1] - (pair[0] + (15.0 - force) / stiffness)).abs() < 1e-13, "{depths:?}");
-        }
-        assert!(depths.len() >= 4, "{depths:?}");
-    }
-
-    #[test]
-    fn a_step_of_any_length_on_a_spring_and_a_damper_is_exact() {
-        let (spring, damping, setpoint) = (1e6, 1500.0, 15.0);
-        for dt in [1e-5, 1e-3, 1e-2, 1.0] {
-            let x = dt * spring / damping;
-            let balance = Balance {
-                from: Motion::default(),
-                setpoint,
-                damping,
-                mass: 0.0,
-                dt,
-                start_force: 0.0,
-                weight: end_weight(x),
-                tolerance: 1e-9,
-                bounds: (-0.02, 0.02),
-            };
-            let respond = |z: f64| Ok::<_, ()>(Response { force: -spring * z, stiffness: spring, depth: -z });
-            let travel = balance.solve(0.0, respond).unwrap().expect("a balance");
-            let exact = setpoint * -(-x).exp_m1() / spring;
-            assert!((travel + exact).abs() < 1e-9 * exact + 1e-14, "{dt} s: {travel} {exact}");
-        }
-    }
-
-    #[test]
-    fn an_admittance_on_a_flat_spring_approaches_the_setpoint_as_the_closed_form_says() {
-        // M = 0: F = F_d (1 - exp(-t/tau)), tau = B/(K A).
-        let (spring, damping, setpoint, dt) = (1e6, 1500.0, 15.0, 1e-6);
-        let mut motion = Motion::default();
-        for _ in 0..1500 {
-            motion = admittance_sample(motion, -spring * motion.travel, setpoint, (0.0, damping), dt);
-        }
-        let force = -spring * motion.travel;
-        let exact = setpoint * (1.0 - (-1500.0 * dt * spring / damping).exp());
-        assert!((force / exact - 1.0).abs() < 1e-3, "{force} {exact}");
-    }
-}
+mod tests;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use sdf_bake::BrickGrid;
 
 use crate::contact::Contact;
-use crate::control::{Balance, Motion, Response};
+use crate::control::{Balance, Motion, Response, StartContact};
 use crate::extent::Extent;
 use crate::height_field::{Facing, HeightField};
 use crate::physics::Physics;
@@ -139,20 +139,22 @@ impl<'a> Press<'a> {
         let Some(touch) = self.touch(physics)? else { return Ok(None) };
         let balance = Balance {
             from: Motion::default(),
+            start: StartContact::default(),
             setpoint,
             damping: 0.0,
             mass: 0.0,
             dt: 0.0,
-            start_force: 0.0,
             weight: 1.0,
             tolerance: FORCE_TOLERANCE * setpoint,
             bounds: (-self.reach, self.reach),
+            allowed: None,
         };
-        balance.solve(touch - FIRST_PRESS, |travel| {
+        let found = balance.solve(touch - FIRST_PRESS, &mut 1.0, |travel| {
             let place = self.at(travel, physics)?;
             let end = self.force_at(&place, physics)?;
             let depth = self.scheme.gap(&place, &self.height_field);
             Ok(Response { force: end.force, stiffness: end.stiffness, depth })
-        })
+        })?;
+        Ok(found.balance())
     }
 }

@@ -203,6 +203,8 @@ shared_struct! {
         before_excess: f32,
         /// The fall of the excess per travel that its stiffness promises [N/voxel].
         before_slope: f32,
+        /// Share of the slope that the last search has shown.
+        scale: f32,
         /// Longest next motion into the touched surface [voxels].
         stride: f32,
         /// Motion into the surface in the search for a force [voxels].
@@ -221,8 +223,6 @@ shared_struct! {
         in_air: u32,
         /// 1 if the step continues from the previous one.
         goes_on: u32,
-        /// 1 if the step is evaluated at its middle.
-        whole_step: u32,
         /// Selects the arrays that hold the start of the step.
         flip: u32,
         /// 1 if the tool has touched the part.
@@ -241,6 +241,8 @@ shared_struct! {
         end_force: f32,
         /// Its stiffness [N/voxel].
         end_stiffness: f32,
+        /// Speed of the surface along the travel in that step [voxel/s], from the change of the force.
+        surface_speed: f32,
         /// Force of the last evaluation [N].
         force_now: f32,
         /// Its stiffness [N/voxel].
@@ -267,8 +269,6 @@ shared_struct! {
         path_position: f32,
         /// 1 if the tool has moved the distance allowed on this height field.
         is_far: u32,
-        /// Padding.
-        padding: u32,
     }
 }
 

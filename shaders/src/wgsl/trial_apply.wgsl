@@ -17,7 +17,7 @@ fn top(line: u32, depths: u32) -> f32 {
 // Share of a cell in contact, averaged over the step.
 fn mean_share(line: u32) -> f32 {
     let end = end_cell(line).share;
-    return select(0.5 * (start_cell(line).share + end), end, state.whole_step == 1u);
+    return select(0.5 * (start_cell(line).share + end), end, setup.grinds == 0u);
 }
 
 // Dose gained by a cell in the step: from the mean rate of both ends, or from the rate at the middle of a whole step.
@@ -28,7 +28,7 @@ fn dose_gain(line: u32, start: Cell, end: Cell, middle: Pose) -> f32 {
     let lane = lane_here(line, middle);
     let dt = state.dt;
     let at_end = sanded(lane, wet_depth(end), column_value(PRESSURE_END, line)) * end.share;
-    if state.whole_step == 1u {
+    if setup.grinds == 0u {
         return dt * at_end;
     }
     return 0.5 * dt * (sanded(lane, wet_depth(start), column_value(PRESSURE_START, line)) * start.share + at_end);
@@ -43,7 +43,7 @@ fn complete(line: u32, middle: Pose) {
         return;
     }
     let voxel = setup.voxel;
-    let whole = state.whole_step == 1u;
+    let whole = setup.grinds == 0u;
     let gain = dose_gain(line, start, end, middle);
     set_column(DOSE_GAIN, line, gain);
     let ratio = area_ratio(line);

@@ -26,26 +26,18 @@ fn from_travel() -> f32 {
     return (state.coarse - state.guess_base) + state.fine;
 }
 
-// Starts a search for the balance with the given damping and mass.
+// Starts a search for the balance at the one that is foreseen.
 fn start_balance(damping: f32, mass: f32) {
-    state.damping = damping;
-    state.mass = mass;
+    set_balance(state.dt, damping, mass);
     state.low = -FAR;
     state.high = FAR;
     state.before = FAR;
     state.stride = FIRST_STRIDE / setup.voxel;
     state.nudge = 0.5 * FIRST_NUDGE / setup.voxel;
     state.evaluations = 0u;
-    state.end_weight = 1.0;
-    // A contact that has just begun has no stiffness, so the decay of the force is unknown.
-    if setup.grinds == 1u && damping > 0.0 && state.end_stiffness > 0.0 {
-        let weights = decay_weights(state.dt * state.end_stiffness / (damping + mass / state.dt));
-        state.end_weight = weights.y / weights.x;
-        state.start_force = force_reading(state.end_force);
-    }
     let reach = setup.search_reach;
     let base = state.guess_base;
-    let guess = state.fine + state.speed * state.dt;
+    let guess = state.fine + foreseen_speed() * state.dt;
     state.guess = clamp(guess, -reach - base, reach - base);
     rebase();
 }
@@ -66,24 +58,16 @@ fn rebase() {
     }
 }
 
-// Force in excess of the controller's law [N].
-fn excess_force(force: f32) -> f32 {
-    let dt = state.dt;
-    let over = force - setup.force_setpoint;
-    if dt == 0.0 {
-        return over;
-    }
-    let speed = (state.guess - from_travel()) / dt;
-    let mean = state.start_force + state.end_weight * (force - state.start_force) - setup.force_setpoint;
-    return mean - state.damping * speed - state.mass * (speed - state.speed) / dt;
-}
-
-// Fall of the excess force since the evaluation before, as a share of what the mean of both slopes promises; 1 if there
-// is none or it does not fall.
+// Fall of the excess force since the evaluation before, as a share of what the mean of both slopes promises; that of
+// the evaluations before if there is none or it does not fall. A static contact has the slope of its stiffness.
 fn slope_scale(excess: f32, slope: f32) -> f32 {
     let promised = 0.5 * (state.before_slope + slope) * (state.guess - state.before);
     let seen = state.before_excess - excess;
-    return select(1.0, seen / promised, state.before < FAR && seen * promised > 0.0);
+    let is_static = state.dt == 0.0;
+    let known = select(state.scale, 1.0, is_static);
+    let scale = select(known, seen / promised, state.before < FAR && seen * promised > 0.0);
+    state.scale = select(scale, state.scale, is_static);
+    return scale;
 }
 
 // Next travel: Newton's step with a scaled slope, or without stiffness down to the surface and slightly into it; FAR
@@ -108,12 +92,21 @@ fn next_guess(excess: f32, stiffness: f32, depth: f32) -> f32 {
     return guess + min(depth, 0.0) * (1.0 + 1e-6) - state.nudge;
 }
 
+// Result of a search that ends at `guess` with a force read by the controller [N].
+fn ended(reading: f32) -> u32 {
+    return select(FOUND, TOO_FAST, is_too_fast(tried_speed(), reading, 0.0));
+}
+
 // Updates the search with the force [N], its stiffness [N/voxel] and the depth under the tool [voxels] at `guess`.
-// Returns SEARCHING, FOUND or NOTHING.
+// Returns SEARCHING, FOUND, NOTHING or TOO_FAST.
 fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
-    let excess = excess_force(force_reading(force));
+    let reading = force_reading(force);
+    let excess = excess_force(reading);
     if abs(excess) <= FORCE_TOLERANCE * setup.force_setpoint {
-        return FOUND;
+        return ended(reading);
+    }
+    if is_too_fast(tried_speed(), reading, abs(excess)) {
+        return TOO_FAST;
     }
     if excess > 0.0 {
         state.low = state.guess;
@@ -138,12 +131,12 @@ fn search(force: f32, stiffness: f32, depth: f32) -> u32 {
     }
     if high - low < RESOLUTION {
         state.guess = low;
-        return FOUND;
+        return ended(reading);
     }
     state.guess = guess;
     state.evaluations += 1u;
     if state.evaluations >= EVALUATIONS {
-        return FOUND;
+        return ended(reading);
     }
     rebase();
     return SEARCHING;

@@ -52,6 +52,9 @@ fn settle_complete() {
     state.coarse = state.guess_base;
     state.fine = state.guess;
     state.speed = state.found_speed;
+    let change = (state.force_now - state.end_force) / (state.stiffness_now * state.dt);
+    let is_held = state.end_stiffness > 0.0 && state.stiffness_now > 0.0;
+    state.surface_speed = select(0.0, state.speed + change, is_held);
     state.end_force = state.force_now;
     state.end_stiffness = state.stiffness_now;
     write_row(0u);

@@ -23,6 +23,10 @@ fn settle_evaluation() {
         plan_evaluation();
     } else if found == NOTHING {
         settle_nothing();
+    } else if found == TOO_FAST {
+        state.step_dt = foreseen_step(shorter_step(state.dt));
+        state.searched = 0u;
+        state.phase = CHOOSE;
     } else if state.settling == 1u {
         state.coarse = state.guess_base;
         state.fine = state.guess;
@@ -45,8 +49,7 @@ fn settle_nothing() {
     }
 }
 
-// Accepts the motion found, or repeats the step: on a larger height field if the patch may extend beyond the region, or
-// with a shorter step if the controller moves too fast.
+// Accepts the motion found, or repeats the step on a larger height field if the patch may extend beyond the region.
 fn settle_found() {
     if (state.border > 0.0 || reduced(SUMS + MAX_BORDER) > 0.0) && grow_extent() {
         write_back(CHOOSE);
@@ -57,13 +60,7 @@ fn settle_found() {
     if state.controller == CONTROLLER_REPLAY {
         state.found_speed = 0.0;
     } else if !is_sampled() {
-        state.found_speed = select(0.0, (state.guess - from_travel()) / dt, dt > 0.0);
-    }
-    if dt > period() && is_fast() {
-        state.step_dt = max(0.25 * dt, period());
-        state.searched = 0u;
-        state.phase = CHOOSE;
-        return;
+        state.found_speed = tried_speed();
     }
     state.dt_limit = 2.0 * dt;
     if state.left - dt < DEVICE_CLOCK {
@@ -74,13 +71,6 @@ fn settle_found() {
     keep_pose(POSE_MIDDLE, moved(moved(middle, middle.approach, state.coarse), middle.approach,
         state.fine + half));
     state.phase = COMPLETE;
-}
-
-// True if an admittance controller moves too fast for the step.
-fn is_fast() -> bool {
-    let inertial = abs(setup.mass * (state.found_speed - state.speed) / state.dt);
-    let setpoint = setup.force_setpoint;
-    return inertial > INERTIA * setpoint || abs(state.force_now - state.end_force) > FORCE_JUMP * setpoint;
 }
 
 // Grows the contact's extent by a quarter and two pitches, to the whole tool at most. Returns false if it was that

@@ -64,6 +64,7 @@ const POSE_AIM: u32 = 3u;
 const SEARCHING: u32 = 0u;
 const FOUND: u32 = 1u;
 const NOTHING: u32 = 2u;
+const TOO_FAST: u32 = 3u;
 
 // Phases that one invocation runs alone.
 const STEP: u32 = 0u;

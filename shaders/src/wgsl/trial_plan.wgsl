@@ -43,11 +43,11 @@ fn plan_step() {
     if comes_down {
         dt = min(min(dt, APPROACH_STEP), approach);
     }
-    state.step_dt = dt;
     state.searched = 0u;
     enter_moment();
     set_spindle();
     set_pose_change();
+    state.step_dt = foreseen_step(dt);
     prepare_lanes();
     state.phase = CHOOSE;
 }

@@ -71,7 +71,6 @@ fn plan_aim() {
         keep_pose(POSE_AIM, poses[1]);
         state.sweep = vec4f(to_height_field(way_between(poses[0], poses[2])), 0.0);
     }
-    state.whole_step = 1u - setup.grinds;
     state.goes_on = 0u;
 }
 
@@ -121,7 +120,7 @@ fn plan_evaluation() {
     let end = moved(moved(aim, aim.approach, state.guess_base), aim.approach, state.guess);
     store_pose(POSE_END, end);
     var middle = end;
-    if state.whole_step == 0u {
+    if setup.grinds == 1u {
         let start = kept_pose(POSE_START);
         let way = 0.5 * (vec3f(start.whole - end.whole) + (start.rest - end.rest));
         middle = moved(end, way + 0.5 * setup.drop * (start.z - end.z), 1.0);

@@ -6,7 +6,7 @@
 fn has_start(line: u32) -> bool {
     let region = state.start_region;
     let at = vec2u(line / across(), line % across());
-    return state.whole_step == 0u && all(at >= region.xy) && all(at < region.xy + region.zw);
+    return setup.grinds == 1u && all(at >= region.xy) && all(at < region.xy + region.zw);
 }
 
 // Cell at one end of the step, from the arrays that begin at `depths`.
@@ -62,7 +62,7 @@ fn respond(line: u32, pose: Pose, middle: Pose) {
     set_column(RECESSION, line, 0.0);
     set_column(MEAN_LOAD, line, 0.0);
     if start.share + end.share > 0.0 {
-        if state.whole_step == 1u {
+        if setup.grinds == 0u {
             press_whole(line, end, pose, middle);
         } else {
             relax(line, start, end, pose, middle);
@@ -73,7 +73,7 @@ fn respond(line: u32, pose: Pose, middle: Pose) {
 fn lane_here(line: u32, middle: Pose) -> Lane {
     var lane = lane_at(line, middle);
     lane.depth_laplacian = depth_laplacian(line, end_array(END_DEPTH));
-    if state.whole_step == 1u {
+    if setup.grinds == 0u {
         lane.slip_speed = swept_slip_speed(line, middle, end_cell(line));
     }
     return lane;

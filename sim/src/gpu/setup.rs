@@ -171,6 +171,7 @@ pub(super) fn state(pass: &Pass, setup: &TrialSetup) -> TrialState {
     state.axis = 2;
     state.extent = setup.extent;
     state.dt_limit = LONGEST_STEP as f32;
+    state.scale = 1.0;
     if controller == Controller::Ideal {
         state.in_air = 1;
         state.coarse = setup.search_reach.floor();

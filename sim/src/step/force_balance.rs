@@ -4,7 +4,7 @@ use shaders::constants::LOOK_AHEAD;
 
 use super::Runner;
 use crate::clock::Phase;
-use crate::control::{Motion, Response};
+use crate::control::{Found, Motion, Response};
 use crate::extent::Extent;
 use crate::height_field::{Facing, Window};
 use crate::physics::Physics;
@@ -21,21 +21,22 @@ impl Runner<'_> {
     /// motion, on a height field that is large enough.
     pub(super) fn find_balance(&mut self, mut dt: f64) -> Result<(Option<Motion>, f64), RunError> {
         loop {
-            let Some(motion) = self.find_motion(dt)? else { return Ok((None, dt)) };
-            match self.guide.shorter_step(motion, dt) {
-                Some(shorter) => dt = shorter,
-                None => return Ok((Some(motion), self.guide.take_step(dt))),
+            dt = self.guide.foreseen_step(&mut self.physics, self.scheme.is_mean(), dt)?;
+            match self.find_motion(dt)? {
+                Found::Balance(motion) => return Ok((Some(motion), self.guide.take_step(dt))),
+                Found::Nothing => return Ok((None, dt)),
+                Found::TooFast => dt = self.guide.shorter_step(dt),
             }
         }
     }
 
     /// The same in a step of exactly `dt` [s].
-    fn find_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+    fn find_motion(&mut self, dt: f64) -> Result<Found<Motion>, RunError> {
         let mut searched = false;
         loop {
             self.choose_height_field(dt, searched);
-            let motion = self.try_motion(dt)?;
-            if motion.is_some()
+            let found = self.try_motion(dt)?;
+            if found.balance().is_some()
                 && self.scheme.reaches_border(self.workpiece.height_field())
                 && let Some(extent) = self.workpiece.extent.grown(self.pass.tool, self.workpiece.grid.voxel)
             {
@@ -43,29 +44,30 @@ impl Runner<'_> {
                 self.workpiece.extent = extent;
                 continue;
             }
-            if motion.is_none() && !searched && self.guide.controller == Controller::Ideal {
+            if found == Found::Nothing && !searched && self.guide.controller == Controller::Ideal {
                 self.write_back();
                 self.workpiece.expect_touch(self.pass.tool);
                 searched = true;
                 continue;
             }
-            return Ok(motion);
+            return Ok(found);
         }
     }
 
-    fn try_motion(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+    fn try_motion(&mut self, dt: f64) -> Result<Found<Motion>, RunError> {
         let begins = self.guide.controller == Controller::Ideal && !self.scheme.goes_on();
         if self.guide.is_in_air() || begins {
             // An ideal controller is balanced from the first touch on, and again on every new height field: the heights
             // read from the field differ slightly from those that were written, most of all beside side faces.
-            let Some(motion) = self.try_step(0.0)? else { return Ok(None) };
+            let found = self.try_step(0.0)?;
+            let Some(motion) = found.balance() else { return Ok(found) };
             self.guide.motion.travel = motion.travel;
         }
         self.try_step(dt)
     }
 
     /// Solves for the motion at the end of a step of `dt` [s].
-    fn try_step(&mut self, dt: f64) -> Result<Option<Motion>, RunError> {
+    fn try_step(&mut self, dt: f64) -> Result<Found<Motion>, RunError> {
         let Self { pass: Pass { tool, .. }, guide, workpiece, scheme, physics, .. } = self;
         let (start, height_field, from) =
             (Placement::still(tool, guide.here()), workpiece.height_field(), guide.motion);
@@ -80,19 +82,24 @@ impl Runner<'_> {
         };
         if let Some(motion) = guide.blind_motion(physics, dt)? {
             guide.tried = force_at(physics, motion.travel)?.0;
-            return Ok(Some(motion));
+            return Ok(Found::Balance(motion));
         }
         let balance = guide.balance(physics, is_mean, dt)?;
+        // A static contact has the slope of its stiffness.
+        let mut scale = if dt > 0.0 { guide.scale } else { 1.0 };
         let mut force = EndForce::default();
-        let travel = balance.solve(from.travel + from.speed * dt, |travel| {
+        let found = balance.solve(balance.foreseen(), &mut scale, |travel| {
             let (end, depth) = force_at(physics, travel)?;
             force = end;
             Ok(Response { force: physics.force_reading(end.force)?, stiffness: end.stiffness, depth })
         })?;
         guide.tried = force;
-        guide.is_too_soft |= travel.is_none() && force.force > 0.0;
+        if dt > 0.0 {
+            guide.scale = scale;
+        }
+        guide.is_too_soft |= found == Found::Nothing && force.force > 0.0;
         let speed = |travel: f64| if dt > 0.0 { (travel - from.travel) / dt } else { 0.0 };
-        Ok(travel.map(|travel| Motion { travel, speed: speed(travel) }))
+        Ok(found.map(|travel| Motion { travel, speed: speed(travel) }))
     }
 
     /// Ensures a height field that contains the contact of a step of `dt` [s], and sets the scheme's region in it;

@@ -2,11 +2,11 @@
 
 use shaders::constants::{APPROACH_STEP, FORCE_JUMP, INERTIA};
 
-use crate::control::{Balance, Motion, admittance_sample, end_weight};
+use crate::control::{Balance, Motion, StartContact, admittance_sample, end_weight};
 use crate::physics::Physics;
 use crate::pose::Pose;
 use crate::scheme::EndForce;
-use crate::settings::{LONGEST_STEP, Pass, TOUCH};
+use crate::settings::{LONGEST_STEP, Pass, PassSettings, TOUCH};
 use effects::{PoseChange, RunError};
 use robot::Controller;
 use robot::LogRow;
@@ -31,8 +31,12 @@ pub(super) struct Guide<'a> {
     /// Longest step that the effects on the controller allow [s].
     longest_step: f64,
     /// Force at the end of the last step, and of the trial step.
-    pub(super) end: EndForce,
+    end: EndForce,
     pub(super) tried: EndForce,
+    /// Speed of the surface along the travel in the last step [m/s], from the change of the force.
+    surface_speed: f64,
+    /// Share of the stiffness that the last search for a balance has shown.
+    pub(super) scale: f64,
     /// True if the tool touched and reached its search limit without reaching the setpoint.
     pub(super) is_too_soft: bool,
     /// Time at which the last step ends [s].
@@ -47,6 +51,8 @@ pub(super) struct ControllerState {
     controller: Controller,
     limit: f64,
     end: EndForce,
+    surface_speed: f64,
+    scale: f64,
 }
 
 impl<'a> Guide<'a> {
@@ -63,6 +69,8 @@ impl<'a> Guide<'a> {
             longest_step,
             end: EndForce::default(),
             tried: EndForce::default(),
+            surface_speed: 0.0,
+            scale: 1.0,
             is_too_soft: false,
             until: pass.path.duration(),
         }
@@ -70,13 +78,15 @@ impl<'a> Guide<'a> {
 
     /// State to continue from in the next stretch.
     pub(super) fn course(&self) -> ControllerState {
-        let Self { time, motion, controller, limit, end, .. } = *self;
-        ControllerState { time, motion, controller, limit, end }
+        let Self { time, motion, controller, limit, end, surface_speed, scale, .. } = *self;
+        ControllerState { time, motion, controller, limit, end, surface_speed, scale }
     }
 
     /// Continues from the end of the previous stretch.
-    pub(super) fn take_up(&mut self, ControllerState { time, motion, controller, limit, end }: ControllerState) {
+    pub(super) fn take_up(&mut self, state: ControllerState) {
+        let ControllerState { time, motion, controller, limit, end, surface_speed, scale } = state;
         (self.time, self.motion, self.controller, self.limit, self.end) = (time, motion, controller, limit, end);
+        (self.surface_speed, self.scale) = (surface_speed, scale);
     }
 
     /// Pose of the tool from path and travel, without effects.
@@ -149,18 +159,17 @@ impl<'a> Guide<'a> {
         self.until - self.time
     }
 
-    /// A shorter step than `dt` [s], if an admittance controller moves too fast for it.
-    pub(super) fn shorter_step(&self, motion: Motion, dt: f64) -> Option<f64> {
-        let period = self.period();
-        (dt > period && self.is_fast(motion, dt)).then(|| (0.25 * dt).max(period))
+    /// The longest step up to `dt` [s] in which an admittance controller is not foreseen to move too fast.
+    pub(super) fn foreseen_step(&self, physics: &mut Physics, is_mean: bool, mut dt: f64) -> Result<f64, RunError> {
+        while dt > self.period() && self.balance(physics, is_mean, dt)?.is_foreseen_too_fast() {
+            dt = self.shorter_step(dt);
+        }
+        Ok(dt)
     }
 
-    /// True if an admittance controller moves too fast for a step of `dt` [s].
-    fn is_fast(&self, motion: Motion, dt: f64) -> bool {
-        let Controller::Admittance { mass, .. } = self.controller else { return false };
-        let setpoint = self.pass.settings.force_setpoint;
-        let inertial_force = (mass * (motion.speed - self.motion.speed) / dt).abs();
-        inertial_force > INERTIA * setpoint || (self.tried.force - self.end.force).abs() > FORCE_JUMP * setpoint
+    /// The step to be tried after one of `dt` [s] in which the controller moves too fast.
+    pub(super) fn shorter_step(&self, dt: f64) -> f64 {
+        (0.25 * dt).max(self.period())
     }
 
     /// Accepts a step of `dt` [s]: the next may be up to twice as long. Returns its length, extended to the end of the
@@ -187,41 +196,43 @@ impl<'a> Guide<'a> {
 
     /// The balance that the controller seeks in a step of `dt` [s], Eq. (6). `is_mean`: forces are means over the step.
     pub(super) fn balance(&self, physics: &mut Physics, is_mean: bool, dt: f64) -> Result<Balance, RunError> {
-        let settings = self.pass.settings;
+        let PassSettings { force_setpoint, search_reach, .. } = *self.pass.settings;
         let (damping, mass) = match self.controller {
             Controller::Admittance { mass, damping, .. } => (damping, mass),
             Controller::Ideal | Controller::Replay => (0.0, 0.0),
         };
+        let EndForce { force, stiffness } = self.end;
+        let start = StartContact { force: physics.force_reading(force)?, stiffness, surface_speed: self.surface_speed };
         // A contact that has just begun has no stiffness, so the decay of the force is unknown.
-        let is_fitted = !is_mean && damping > 0.0 && self.end.stiffness > 0.0;
-        let (start_force, weight) = if is_fitted {
-            let weight = end_weight(dt * self.end.stiffness / (damping + mass / dt));
-            (physics.force_reading(self.end.force)?, weight)
-        } else {
-            (0.0, 1.0)
-        };
+        let is_fitted = !is_mean && damping > 0.0 && stiffness > 0.0;
+        let weight = if is_fitted { end_weight(dt * stiffness / (damping + mass / dt)) } else { 1.0 };
         // A force at the end stands for the mean over an interval about the end; the mean over the step is that of its
         // two ends.
         let begin = if is_mean { self.time } else { self.time + 0.5 * dt };
         let held = begin..begin + dt;
         Ok(Balance {
             from: self.motion,
+            start,
             setpoint: self.pass.force_setpoint(held),
             damping,
             mass,
             dt,
-            start_force,
             weight,
-            tolerance: FORCE_TOLERANCE * settings.force_setpoint,
-            bounds: (-settings.search_reach, settings.search_reach),
+            tolerance: FORCE_TOLERANCE * force_setpoint,
+            bounds: (-search_reach, search_reach),
+            allowed: (dt > self.period()).then_some((FORCE_JUMP * force_setpoint, INERTIA * force_setpoint)),
         })
     }
 
     /// Advances to the end of a step of `dt` [s]. Returns the distance moved by the tool [m].
     pub(super) fn follow(&mut self, motion: Motion, dt: f64) -> f64 {
         let way = self.nominal(self.time + dt, 0.0).centre - self.nominal(self.time, 0.0).centre;
+        let (before, after) = (self.end, self.tried);
+        let is_held = before.stiffness > 0.0 && after.stiffness > 0.0;
+        self.surface_speed =
+            if is_held { motion.speed + (after.force - before.force) / (after.stiffness * dt) } else { 0.0 };
         self.motion = motion;
-        self.end = self.tried;
+        self.end = after;
         self.time += dt;
         way.length()
     }
