@@ -28,6 +28,8 @@ pub struct ParameterSlot {
     pub owner: String,
     /// Name of the parameter.
     pub parameter: String,
+    /// What has a value of its own.
+    pub per: Rows,
     /// Index of the pass or scan, from 0, if the value differs between them.
     pub row: Option<usize>,
     /// Unit in files and tables.
@@ -99,6 +101,7 @@ impl<'a> Slots<'a> {
             self.slots.push(ParameterSlot {
                 owner: effect.name.clone(),
                 parameter: parameter.name.clone(),
+                per: parameter.per,
                 row: (parameter.per != Rows::Model).then_some(row),
                 unit: parameter.unit,
                 unit_text: parameter.unit_text.clone(),

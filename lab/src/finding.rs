@@ -62,6 +62,12 @@ impl Finding {
         &self.suspect.screened.candidate.family
     }
 
+    /// Returns false for an effect that cannot be what is missing, however well it fits: at the far end of its range, or
+    /// with a value for each pass.
+    pub(super) fn may_be_cause(&self) -> bool {
+        !self.suspect.is_on_bound() && self.reserve != Some(Reserve::ValuePerPass)
+    }
+
     /// Returns the model with the effect as an element of a chain of searches.
     pub fn as_searched(&self) -> Searched {
         Searched {

@@ -1,5 +1,7 @@
 //! Reasons against naming an effect alone, however well it fits.
 
+use effects::Rows;
+
 use super::fit::Estimate;
 use super::suspect::Suspect;
 use crate::criteria::{INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
@@ -9,8 +11,10 @@ use crate::criteria::{INTERVAL_SIGMAS, NOT_IDENTIFIABLE_SHARE};
 pub enum Reserve {
     /// The model with it has as many parameters as the data have conditions, so that no data test it.
     Saturated,
-    /// It has a value for each pass or scan: it describes the data and does not explain them.
+    /// It has a value for each pass: it describes the data and does not explain them, so it is no cause.
     ValuePerPass,
+    /// It has a value for each scan, which no other data test.
+    ValuePerScan,
     /// The data do not determine its size, or its interval contains the null.
     Undetermined,
     /// It raises the error of the held-out passes.
@@ -26,8 +30,12 @@ impl Reserve {
         }
         let own = |estimate: &Estimate| estimate.coordinate.slot.owner == suspect.name();
         let estimates: Vec<Estimate> = suspect.fit.estimates(spread).into_iter().filter(own).collect();
-        if estimates.iter().any(|estimate| estimate.coordinate.slot.row.is_some()) {
+        let has_one_per = |rows: Rows| estimates.iter().any(|estimate| estimate.coordinate.slot.per == rows);
+        if has_one_per(Rows::Pass) {
             return Some(Self::ValuePerPass);
+        }
+        if has_one_per(Rows::Scan) {
+            return Some(Self::ValuePerScan);
         }
         let sizes = || estimates.iter().filter(|estimate| estimate.coordinate.slot.null.is_some());
         let is_determined = sizes().all(is_finite) && sizes().any(excludes_null);
@@ -41,6 +49,7 @@ impl Reserve {
             Self::ValuePerPass => {
                 "it has a value for each pass, so that it describes what happened and does not explain it"
             }
+            Self::ValuePerScan => "it has a value for each scan, which no other data test",
             Self::Undetermined => "these data do not determine its size, or are compatible with its absence",
             Self::PredictsWorse => "it fits the calibration passes, but raises the error of the held-out passes",
         }

@@ -25,8 +25,7 @@ use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
 /// Lets the best-predicting form of each dependence represent the family, at the mean likelihood of all its forms. An
 /// admissible form is preferred.
 pub(super) fn share_odds(findings: &mut [Finding]) {
-    let rank =
-        |finding: &Finding| (finding.is_admissible && !finding.suspect.is_on_bound(), finding.prediction.total());
+    let rank = |finding: &Finding| (finding.is_admissible && finding.may_be_cause(), finding.prediction.total());
     let ranks: Vec<(bool, f64)> = findings.iter().map(rank).collect();
     let families: Vec<String> = findings.iter().map(|finding| finding.family().to_owned()).collect();
     for (k, finding) in findings.iter_mut().enumerate() {
@@ -135,20 +134,19 @@ impl Round {
         round
     }
 
-    /// Computes the probabilities of the admissible effects and of none of them. An effect that hits its upper bound
+    /// Computes the probabilities of the admissible effects and of none of them. An effect that cannot be the cause
     /// counts for "none of them": something acts that no other effect describes.
     fn weigh(&mut self) {
         let probabilities = self.probabilities(|finding| finding.is_admissible);
         let [none, probabilities @ ..] = &self.no_surer_than_significant(probabilities)[..] else { return };
         self.none = *none;
         for (finding, &probability) in self.findings.iter_mut().zip(probabilities) {
-            let is_cause = !finding.suspect.is_on_bound();
             finding.probability = match finding.reserve {
-                _ if !is_cause => 0.0,
+                _ if !finding.may_be_cause() => 0.0,
                 Some(_) => probability.min(RESERVED_PROBABILITY),
                 None => probability,
             };
-            self.none += if is_cause { 0.0 } else { probability };
+            self.none += if finding.may_be_cause() { 0.0 } else { probability };
         }
         self.findings
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));

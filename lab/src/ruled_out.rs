@@ -45,6 +45,9 @@ impl Round {
         if finding.suspect.is_on_bound() && !self.is_half {
             return Some("its best size lies beyond its range".to_owned());
         }
+        if let Some(reserve) = finding.reserve.filter(|_| !finding.may_be_cause()) {
+            return Some(reserve.words().to_owned());
+        }
         if let Some(first) = self.taken_back() {
             return Some(format!("{}, which is more probable, was taken back", first.suspect.name()));
         }

@@ -76,9 +76,15 @@ fn nearest(diagnosis: &Diagnosis) -> String {
     let excess = first.base.chi2 - first.base.residuals.len() as f64;
     let explained = |finding: &Finding| (first.base.chi2 - finding.suspect.fit.chi2) / excess;
     let best = first.findings.iter().max_by(|a, b| a.prediction.total().total_cmp(&b.prediction.total()));
-    match best.map(|best| (best.suspect.name(), explained(best))) {
-        Some((name, share)) if excess > 0.0 && share >= NEAREST_SHARE => {
-            format!(" The nearest is {name}, which explains {:.0} % of it.", 100.0 * share.min(1.0))
+    match best.map(|best| (best, explained(best))) {
+        Some((best, share)) if excess > 0.0 && share >= NEAREST_SHARE => {
+            let why = best.reserve.filter(|_| !best.may_be_cause());
+            let why = why.map_or(String::new(), |reserve| format!(": {}", reserve.words()));
+            format!(
+                " The nearest is {}, which accounts for {:.0} % of it{why}.",
+                best.suspect.name(),
+                100.0 * share.min(1.0)
+            )
         }
         _ => String::new(),
     }
