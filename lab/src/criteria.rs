@@ -234,11 +234,9 @@ criteria! {
     EFFECTS_REFINED: usize = 4, "1", "chosen";
     /// Maximum number of starts of the fit of an effect with a shape parameter.
     STARTS_PER_EFFECT: usize = 2, "1", "chosen";
-    /// Minimum ratio of an effect's Δχ² to that of the best effect for a refined fit.
+    /// Minimum ratio of an effect's Δχ² to that of the best effect for a refined fit, and for a final fit after it.
     REFINED_GAIN_SHARE: f64 = 0.3, "1", "chosen";
-    /// Minimum ratio of an effect's Δχ² to that of the best effect for the final fit after one without convergence.
-    LAST_FIT_GAIN_SHARE: f64 = 0.7, "1", "chosen";
-    /// Minimum Δχ² for a final fit; times the best fit's residual variance, also the maximum χ² above the best.
+    /// Minimum Δχ² for a final fit.
     LAST_FIT_DELTA_CHI2: f64 = 40.0, "1", "chosen";
     /// Maximum number of derivative computations in the quick first fit of an effect or a pair.
     QUICK_FIT_DERIVATIVES: usize = 0, "1", "chosen";

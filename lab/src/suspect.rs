@@ -4,7 +4,6 @@ use effects::Scale;
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::diagnose::spread;
 use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
 use super::leaders::Contender;
@@ -13,7 +12,7 @@ use super::screen::Screened;
 use super::space_mapping::Lattices;
 use crate::criteria::{
     EFFECTS_FITTED, EFFECTS_REFINED, FAR_END_RATIO, FITTED_DELTA_CHI2, LAST_FIT_DELTA_CHI2, LAST_FIT_DERIVATIVES,
-    LAST_FIT_GAIN_SHARE, LAST_FIT_STEPS, LISTED_ODDS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
+    LAST_FIT_STEPS, LISTED_ODDS, NULL_RATIO, NULL_SHARE, QUICK_FIT_DERIVATIVES, QUICK_FIT_STEPS,
     REFINED_FIT_DERIVATIVES, REFINED_FIT_STEPS, REFINED_GAIN_SHARE, STARTS_PER_EFFECT,
 };
 
@@ -75,6 +74,13 @@ impl Suspect {
         let beyond = own.clone().filter(|c| c.beyond_listed(c.from_value(self.fit.model.value(c.index))).is_some());
         let again = own.filter(|c| c.slot.row.is_some_and(|row| row > 0));
         LISTED_ODDS.recip().powi((beyond.count() + again.count()) as i32)
+    }
+
+    /// Expected fall of the sum of squares beside the base fit. A quick fit that has not converged is no evidence against
+    /// an effect, because its derivatives are borrowed: the first look counts if it expects more.
+    fn promise(&self, base: &Fit) -> f64 {
+        let found = base.chi2 - self.fit.chi2;
+        if self.fit.converged { found } else { found.max(self.screened.delta_chi2) }
     }
 
     /// Returns true if a size of the effect ended at the far end of its range.
@@ -177,11 +183,12 @@ pub(super) fn suspects(
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
     let mut suspects = quickly(lattices, base, screened, on_progress);
     let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
+    suspects.sort_by(|a, b| b.promise(base).total_cmp(&a.promise(base)));
     let mut families = Vec::new();
     let mut is_among_first = |family: &str| is_among(&mut families, family, EFFECTS_REFINED);
     let promising = suspects
         .iter()
-        .take_while(|suspect| delta_chi2(suspect) >= worth && is_among_first(&suspect.screened.candidate.family))
+        .take_while(|suspect| suspect.promise(base) >= worth && is_among_first(&suspect.screened.candidate.family))
         .count();
     let rest = suspects.split_off(promising);
     let thorough = |suspect: Suspect| {
@@ -212,19 +219,18 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], on_progress: &
     in_order(order.par_iter().filter_map(fitted).collect())
 }
 
-/// Continues the fits that may still be the best: those that did not converge, and those on a surrogate that fit about
-/// as well as the best. If all are poor, they are also restarted at the starting values of the base fit.
+/// Continues the fits that may still be the best: those that did not converge on the data, and take a good part of what
+/// the best takes. If all are poor, they are also restarted at the starting values of the base fit.
 fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec<Suspect> {
     let Some(best) = suspects.iter().map(|suspect| &suspect.fit).min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else {
         return suspects;
     };
-    let (least, gain) = (best.chi2, base.chi2 - best.chi2);
-    let near = LAST_FIT_DELTA_CHI2 * spread(&best.residuals).powi(2);
+    let gain = base.chi2 - best.chi2;
+    // On a surrogate a fit may seem to have converged far from where it would end on the data.
     let may_win = |suspect: &Suspect| {
         let own = base.chi2 - suspect.fit.chi2;
-        let is_underway = !suspect.fit.converged && own >= LAST_FIT_GAIN_SHARE * gain;
-        let is_near = lattices.quicker.is_some() && suspect.fit.chi2 <= least + near;
-        own >= LAST_FIT_DELTA_CHI2 && (is_underway || is_near)
+        let is_underway = !suspect.fit.converged || lattices.quicker.is_some();
+        own >= LAST_FIT_DELTA_CHI2 && is_underway && own >= REFINED_GAIN_SHARE * gain
     };
     suspects.par_iter_mut().filter(|suspect| may_win(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().ended(lattices.usual);

@@ -112,7 +112,6 @@ const AGREED: &[(&str, f64)] = &[
     ("EFFECTS_REFINED", 4.0),
     ("STARTS_PER_EFFECT", 2.0),
     ("REFINED_GAIN_SHARE", 0.3),
-    ("LAST_FIT_GAIN_SHARE", 0.7),
     ("LAST_FIT_DELTA_CHI2", 40.0),
     ("QUICK_FIT_DERIVATIVES", 0.0),
     ("QUICK_FIT_STEPS", 6.0),
