@@ -28,7 +28,7 @@ pub struct ParameterSlot {
     pub owner: String,
     /// Name of the parameter.
     pub parameter: String,
-    /// What has a value of its own.
+    /// One value, or one for each pass or each scan.
     pub per: Rows,
     /// Index of the pass or scan, from 0, if the value differs between them.
     pub row: Option<usize>,
