@@ -3,6 +3,9 @@
 use glam::DVec2;
 use sdf_bake::PixelGrid;
 
+/// Side of a cell in which pieces are looked up [pixels].
+const CELL_SIDE: usize = 4;
+
 /// Border of the region in which a field is positive.
 #[derive(Clone, Debug)]
 pub struct Border {
@@ -10,6 +13,10 @@ pub struct Border {
     /// the border crosses.
     pieces: Vec<[DVec2; 2]>,
     crossings: usize,
+    /// Numbers of the pieces by cell, x running fastest; a piece is in the cell of its first end.
+    cells: Vec<Vec<u32>>,
+    /// Pixels of the field; a cell has [`CELL_SIDE`] of them along each side.
+    pixels: PixelGrid,
 }
 
 /// A place relative to a border.
@@ -47,7 +54,61 @@ impl Border {
             let edges = std::array::from_fn(|k| crossing([corners[k], corners[(k + 1) % 4]]));
             pieces_between(edges, (values[0] > 0.0) == (values.iter().sum::<f64>() > 0.0))
         }));
-        Self { pieces, crossings }
+        let mut border = Self { pieces: Vec::new(), crossings, cells: Vec::new(), pixels };
+        let (nx, ny) = border.shape();
+        border.cells = vec![Vec::new(); nx * ny];
+        for (number, [from, _]) in pieces.iter().enumerate() {
+            let (i, j) = border.cell_of(*from);
+            let (i, j) = ((i.max(0) as usize).min(nx - 1), (j.max(0) as usize).min(ny - 1));
+            border.cells[j * nx + i].push(number as u32);
+        }
+        Self { pieces, ..border }
+    }
+
+    /// Number of cells along x and y.
+    fn shape(&self) -> (usize, usize) {
+        (self.pixels.nx.div_ceil(CELL_SIDE), self.pixels.ny.div_ceil(CELL_SIDE))
+    }
+
+    /// Cell of a place, which may lie outside the grid.
+    fn cell_of(&self, place: DVec2) -> (i64, i64) {
+        let cell = ((place - self.pixels.origin) / (CELL_SIDE as f64 * self.pixels.pitch)).floor();
+        (cell.x as i64, cell.y as i64)
+    }
+
+    /// Pieces in the ring of cells at a distance [cells] from a cell.
+    fn ring(&self, (i, j): (i64, i64), distance: i64) -> impl Iterator<Item = u32> {
+        let (nx, ny) = self.shape();
+        let (nx, ny) = (nx as i64, ny as i64);
+        let rows = (j - distance).max(0)..=(j + distance).min(ny - 1);
+        rows.flat_map(move |row| {
+            // Of the rows between the first and the last only both ends belong to the ring.
+            let step = if (row - j).abs() == distance { 1 } else { 2 * distance };
+            let columns = (i - distance..=i + distance).step_by(step as usize);
+            columns.filter(move |column| (0..nx).contains(column)).map(move |column| (row * nx + column) as usize)
+        })
+        .flat_map(|cell| self.cells[cell].iter().copied())
+    }
+
+    /// Nearest point of the border within reach, from rings of cells outwards; the first of several.
+    fn nearest(&self, place: DVec2, reach: f64) -> Option<DVec2> {
+        let (cell, side) = (self.cell_of(place), CELL_SIDE as f64 * self.pixels.pitch);
+        let mut best: Option<(f64, u32, DVec2)> = None;
+        for distance in 0.. {
+            // The place is somewhere in its own cell. A piece begins in its cell, and is shorter than two pixels.
+            let nearer = (distance as f64 - 1.0) * side - 2.0 * self.pixels.pitch;
+            if nearer >= best.map_or(reach, |best| best.0.sqrt()) {
+                break;
+            }
+            for number in self.ring(cell, distance) {
+                let point = nearest_on(self.pieces[number as usize], place);
+                let square = point.distance_squared(place);
+                if best.is_none_or(|best| (square, number) < (best.0, best.1)) {
+                    best = Some((square, number, point));
+                }
+            }
+        }
+        best.map(|best| best.2).filter(|nearest| nearest.distance(place) < reach)
     }
 
     /// Number of pixel edges that the border crosses.
@@ -58,9 +119,7 @@ impl Border {
     /// Locates a place, whose side is known, relative to the border; distances are clamped to `reach` [m].
     pub fn distance_from(&self, place: DVec2, is_above: bool, reach: f64) -> BorderDistance {
         let sign = if is_above { 1.0 } else { -1.0 };
-        let nearest = self.pieces.iter().map(|piece| nearest_on(*piece, place));
-        let nearest = nearest.min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
-        let Some(nearest) = nearest.filter(|nearest| nearest.distance(place) < reach) else {
+        let Some(nearest) = self.nearest(place, reach) else {
             return BorderDistance { distance: sign * reach, away: DVec2::ZERO, nearest: None };
         };
         let way = place - nearest;
@@ -120,6 +179,23 @@ mod tests {
             let place = centre + 3.6e-3 * DVec2::from_angle(f64::from(turn));
             let found = border.distance_from(place, true, 5e-3);
             assert!((found.distance - 0.4e-3).abs() < 2.0 * sagitta, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_of_all_pieces_is_found() {
+        let waves = |place: DVec2| (place.x * 900.0).sin() * (place.y * 700.0).cos() - 0.3;
+        let border = Border::new(&field(waves), PIXELS);
+        assert!(border.pieces.len() > 200);
+        for number in 0..2000 {
+            let place = DVec2::new(number as f64 * 0.618_034 % 1.2 - 0.1, number as f64 * 0.414_214 % 1.2 - 0.1);
+            let place = place * DVec2::new(20e-3, 15e-3);
+            let squares = border.pieces.iter().map(|piece| nearest_on(*piece, place).distance_squared(place));
+            let least = squares.fold(f64::INFINITY, f64::min).sqrt();
+            for reach in [0.7e-3, 30e-3] {
+                let found = border.nearest(place, reach).map(|nearest| nearest.distance(place));
+                assert_eq!(found, Some(least).filter(|least| *least < reach), "at {place}");
+            }
         }
     }
 
