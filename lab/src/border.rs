@@ -100,13 +100,11 @@ impl Border {
             if nearer >= best.map_or(reach, |best| best.0.sqrt()) {
                 break;
             }
-            for number in self.ring(cell, distance) {
+            let found = self.ring(cell, distance).map(|number| {
                 let point = nearest_on(self.pieces[number as usize], place);
-                let square = point.distance_squared(place);
-                if best.is_none_or(|best| (square, number) < (best.0, best.1)) {
-                    best = Some((square, number, point));
-                }
-            }
+                (point.distance_squared(place), number, point)
+            });
+            best = best.into_iter().chain(found).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         }
         best.map(|best| best.2).filter(|nearest| nearest.distance(place) < reach)
     }
