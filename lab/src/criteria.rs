@@ -76,9 +76,6 @@ criteria! {
     BORDER_MAJORITY_RADIUS: i64 = 2, "px", "chosen";
     /// Minimum scatter of the exposed border, estimated from single pixels.
     BORDER_SCATTER_LEAST: f64 = 0.3, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
-    /// Minimum standard deviation of the border's mean position along one tile.
-    BORDER_TILE_ERROR_LEAST: f64 = 0.5, "px",
-        "measured: parameters of 30 campaigns with nothing hidden (docs/diagnosis.md, step 3)";
     /// Minimum noise floor of the border's position.
     BORDER_FLOOR_LEAST: f64 = 0.5, "px",
         "chosen: one pixel does not determine a border's position better (docs/diagnosis.md, step 3)";

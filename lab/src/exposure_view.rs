@@ -1,21 +1,23 @@
 //! One exposure mask as data: the distance of each tile from the border of the exposed region.
 
-use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use effects::CompiledModel;
 use glam::DVec2;
-use nalgebra::{DMatrix, DVector};
-use sdf_bake::{HeightMap, PixelGrid};
+use nalgebra::DMatrix;
+use sdf_bake::HeightMap;
 
 use super::border::{Border, BorderDistance};
+use super::border_noise::{BorderNoise, Left};
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
+use super::exposed_share::{between, covered, majority, shares_around};
 use super::observation::{Observation, Untouched};
 use super::tiles::{TileGrid, Tiles};
 use super::totals::Total;
 use crate::criteria::{
-    BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, BORDER_TILE_ERROR_LEAST, COATING_ERROR_RATIO,
-    PART_SHIFT_SIGMA, SMOOTH_ERROR_EXPOSURE,
+    BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, COATING_ERROR_RATIO, PART_SHIFT_SIGMA,
+    SMOOTH_ERROR_EXPOSURE,
 };
 use trial_simulation::SimulatedPass;
 use trials::measure::median;
@@ -23,6 +25,9 @@ use trials::trial::ExposureMask;
 
 /// Ratio of the standard deviation of a normal variable to its mean absolute value.
 const MEAN_TO_SIGMA: f64 = 1.2533;
+
+/// Distance on both sides of a pixel over which the slope of the dose is taken [pixels].
+const WIDTH_REACH: usize = BORDER_MAJORITY_RADIUS as usize;
 
 /// An exposure mask as data.
 #[derive(Clone, Debug)]
@@ -34,8 +39,15 @@ pub struct ExposureView {
     /// Standard deviation of the border's position at single pixels [m].
     pub scatter: f64,
     odd: usize,
-    distances: Vec<f64>,
+    places: Vec<BorderDistance>,
     reach: f64,
+    /// Noise of the border's position along it.
+    pub noise: BorderNoise,
+    /// Distance across the border nearest to each tile over which the simulated dose changes by one, relative to the
+    /// median; one until it is known.
+    widths: Vec<f64>,
+    /// Contribution of the lattice error to the whitened tiles; zeros until it is known.
+    lattice_field: Vec<f64>,
     whitener: Whitener,
 }
 
@@ -55,16 +67,76 @@ impl ExposureView {
         let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
         let odd = (0..pixels.len()).filter(is_odd).count();
         let scatter = (MEAN_TO_SIGMA * odd as f64 / border.crossings().max(1) as f64).max(BORDER_SCATTER_LEAST);
-        let distances = border_distances(&tiles, &field, &border, reach);
-        let error = (scatter / (side as f64).sqrt()).max(BORDER_TILE_ERROR_LEAST) * pixels.pitch;
-        let sharing = sharing(&distances, side as f64 * pixels.pitch, reach);
-        let variances = sharing.into_iter().map(|tiles| tiles * error * error);
-        let noise = DMatrix::from_diagonal(&DVector::from_iterator(tiles.len(), variances));
-        let columns = DMatrix::from_fn(tiles.len(), 2, |k, axis| -distances[k].away[axis]);
-        let whitener = Whitener::new(noise, Freedom::around_zero(columns, &[PART_SHIFT_SIGMA; 2]))?;
-        let distances = distances.iter().map(|place| place.distance).collect();
+        let places = border_distances(&tiles, &field, &border, reach);
         let scatter = scatter * pixels.pitch;
-        (!tiles.is_empty()).then_some(Self { measured, tiles, scatter, odd, distances, reach, whitener })
+        let side = side as f64 * pixels.pitch;
+        let noise = BorderNoise::expected(scatter, (side, pixels.pitch));
+        let whitener = whitener(&places, (&noise, &vec![1.0; tiles.len()]), (side, reach))?;
+        let (widths, lattice_field) = (vec![1.0; tiles.len()], vec![0.0; tiles.len()]);
+        let own = Self { measured, tiles, scatter, odd, places, reach, noise, widths, lattice_field, whitener };
+        (!own.tiles.is_empty()).then_some(own)
+    }
+
+    /// Refines the data with simulations near the best values.
+    ///
+    /// - `noise`: fitted noise of the border; `None` keeps the expected one
+    /// - `margins`: simulated dose minus the exposure threshold, on the usual lattice and on a finer one
+    ///
+    /// Returns `None` if the covariance is not positive definite.
+    pub(super) fn beside(self, noise: Option<BorderNoise>, margins: [&[f64]; 2]) -> Option<Self> {
+        let noise = noise.unwrap_or(self.noise);
+        let pitch = self.measured.pixels.pitch;
+        let most = self.reach / noise.tile.sigma();
+        let widths = self.widths(margins[1]);
+        let ratios: Vec<f64> = widths.iter().map(|width| noise.ratio(*width, pitch).min(most)).collect();
+        let whitener = whitener(&self.places, (&noise, &ratios), (self.tile_side(), self.reach))?;
+        let [usual, finer] = margins.map(|margins| self.difference(margins));
+        let moved: Vec<f64> = usual.iter().zip(finer).map(|(usual, finer)| usual - finer).collect();
+        let usual = median(widths.clone()).filter(|usual| *usual > 0.0).unwrap_or(1.0);
+        let widths = widths.into_iter().map(|width| width / usual).collect();
+        Some(Self { widths, lattice_field: whitener.whitened_field(&moved), whitener, noise, ..self })
+    }
+
+    /// Side of a tile [m].
+    pub(super) fn tile_side(&self) -> f64 {
+        self.tiles.grid.side as f64 * self.measured.pixels.pitch
+    }
+
+    /// What a simulation leaves along the border at the tiles within reach.
+    pub(super) fn along(&self, margin: &[f64]) -> Vec<Left> {
+        let places = self.places.iter().zip(self.difference(margin)).zip(self.widths(margin));
+        let left = |((place, distance), width): ((&BorderDistance, f64), f64)| {
+            Some(Left { place: place.nearest?, distance, width })
+        };
+        places.filter_map(left).collect()
+    }
+
+    /// Distance [m] across the border nearest to each tile over which the simulated dose changes by one.
+    fn widths(&self, margin: &[f64]) -> Vec<f64> {
+        let pixels = self.measured.pixels;
+        let field = self.simulated_field(margin);
+        let places = border_distances(&self.tiles, &field, &Border::new(&field, pixels), self.reach);
+        let width = |place: &BorderDistance| {
+            let at = pixels.nearest(place.nearest?)?;
+            let (i, j) = (at % pixels.nx, at / pixels.nx);
+            let slope = |at: usize, count: usize, step: usize, from: usize| {
+                let (low, high) = (at.saturating_sub(WIDTH_REACH), (at + WIDTH_REACH).min(count - 1));
+                (margin[from + high * step] - margin[from + low * step]) / ((high - low) as f64 * pixels.pitch)
+            };
+            let slope = DVec2::new(slope(i, pixels.nx, 1, j * pixels.nx), slope(j, pixels.ny, pixels.nx, i));
+            Some(slope.length().recip()).filter(|width| width.is_finite())
+        };
+        let widths: Vec<Option<f64>> = places.iter().map(width).collect();
+        let usual = median(widths.iter().copied().flatten().collect()).unwrap_or(0.0);
+        widths.into_iter().map(|width| width.unwrap_or(usual)).collect()
+    }
+
+    /// Measured minus simulated distance of each tile from the border [m]. Both borders are those of the share of exposed
+    /// pixels around each pixel, which is rounder than the region's own.
+    fn difference(&self, predicted: &[f64]) -> Vec<f64> {
+        let field = self.simulated_field(predicted);
+        let simulated = border_distances(&self.tiles, &field, &Border::new(&field, self.measured.pixels), self.reach);
+        self.places.iter().zip(simulated).map(|(measured, place)| measured.distance - place.distance).collect()
     }
 
     /// Least distance [m] that pixels of this pitch resolve: the scatter of the border, but at least half a pixel.
@@ -144,14 +216,12 @@ impl Observation for ExposureView {
         Ok(pass.surface.dose_margin(model)?.expect("a sanded surface has doses"))
     }
 
-    /// Measured minus simulated distance of each tile from the border, whitened. Both borders are those of the share of
-    /// exposed pixels around each pixel, which is rounder than the region's own.
     fn whitened(&self, predicted: &[f64]) -> Vec<f64> {
-        let field = self.simulated_field(predicted);
-        let simulated = border_distances(&self.tiles, &field, &Border::new(&field, self.measured.pixels), self.reach);
-        let difference: Vec<f64> =
-            self.distances.iter().zip(simulated).map(|(measured, place)| measured - place.distance).collect();
-        self.whitener.whiten(&difference)
+        self.whitener.whiten(&self.difference(predicted))
+    }
+
+    fn lattice_field(&self) -> Vec<f64> {
+        self.lattice_field.clone()
     }
 
     fn agreement(&self, predicted: &[f64], _: Untouched) -> Agreement {
@@ -173,12 +243,13 @@ impl Observation for ExposureView {
 
     /// Range of border shifts that each tile resolves; 0 for tiles out of reach.
     fn removed(&self, _: &HeightMap) -> Vec<f64> {
-        self.distances.iter().map(|distance| if distance.abs() < self.reach { self.reach } else { 0.0 }).collect()
+        self.places.iter().map(|place| if place.nearest.is_some() { self.reach } else { 0.0 }).collect()
     }
 
-    /// A shift of the border.
+    /// A shift of the border, which an error of the dose moves the farther the less the dose changes across it.
     fn smooth_error(&self, removed: &[f64], error: f64) -> Vec<f64> {
-        removed.iter().map(|reach| if *reach > 0.0 { error } else { 0.0 }).collect()
+        let here = |(reach, width): (&f64, &f64)| if *reach > 0.0 { (error * width).min(*reach) } else { 0.0 };
+        removed.iter().zip(&self.widths).map(here).collect()
     }
 
     fn as_exposure(&self) -> Option<&ExposureView> {
@@ -186,70 +257,39 @@ impl Observation for ExposureView {
     }
 }
 
-/// Locates all tiles relative to the border of a field.
+/// Locates the centres of all tiles relative to the border of a field.
 fn border_distances(tiles: &Tiles, field: &[f64], border: &Border, reach: f64) -> Vec<BorderDistance> {
-    let above = tiles.means(|at| f64::from(u8::from(field[at] > 0.0)));
-    tiles.centres.iter().zip(above).map(|(centre, above)| border.distance_from(*centre, above > 0.5, reach)).collect()
+    let is_above = |centre: DVec2| between(field, tiles.grid.pixels, centre) > 0.0;
+    tiles.centres.iter().map(|&centre| border.distance_from(centre, is_above(centre), reach)).collect()
 }
 
-/// For each tile, the number of tiles that locate the same border segment, one tile side long; for tiles out of reach,
-/// the number across a straight border.
-fn sharing(places: &[BorderDistance], side: f64, reach: f64) -> Vec<f64> {
-    let piece = |nearest: DVec2| ((nearest.x / side).floor() as i64, (nearest.y / side).floor() as i64);
-    let mut tiles: BTreeMap<(i64, i64), f64> = BTreeMap::new();
-    places
-        .iter()
-        .filter_map(|place| place.nearest)
-        .for_each(|nearest| *tiles.entry(piece(nearest)).or_default() += 1.0);
-    let count = |place: &BorderDistance| place.nearest.map_or(2.0 * reach / side, |nearest| tiles[&piece(nearest)]);
-    places.iter().map(|place| count(place).max(1.0)).collect()
-}
-
-/// Share of exposed pixels around each pixel.
-fn majority(mask: &ExposureMask) -> Vec<f64> {
-    let seen: Vec<Option<f64>> = mask.exposed.iter().map(|seen| seen.map(|seen| f64::from(u8::from(seen)))).collect();
-    shares_around(&seen, mask.pixels)
-}
-
-/// Mean of the known values around each pixel; 0 where there are none.
-fn shares_around(values: &[Option<f64>], pixels: PixelGrid) -> Vec<f64> {
-    let (nx, ny) = (pixels.nx as i64, pixels.ny as i64);
-    let around = |at: usize| {
-        let (i, j) = (at as i64 % nx, at as i64 / nx);
-        let columns = (i - BORDER_MAJORITY_RADIUS).max(0)..=(i + BORDER_MAJORITY_RADIUS).min(nx - 1);
-        let rows = (j - BORDER_MAJORITY_RADIUS).max(0)..=(j + BORDER_MAJORITY_RADIUS).min(ny - 1);
-        let known = rows.flat_map(|j| columns.clone().map(move |i| (j * nx + i) as usize));
-        let (sum, count) =
-            known.filter_map(|at| values[at]).fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-        if count > 0.0 { sum / count } else { 0.0 }
+/// Whitener of tiles that measure a border: its noise, and the shift of the part.
+///
+/// - `side`: side of a tile [m]
+/// - `noise`: noise of the border, and its ratio to that where the dose is exact, one per tile
+fn whitener(
+    places: &[BorderDistance],
+    (noise, ratios): (&BorderNoise, &[f64]),
+    (side, reach): (f64, f64),
+) -> Option<Whitener> {
+    // Tiles out of reach only show on which side of the border they lie: all tiles across a straight border count once,
+    // and so do those along the length that shares its noise.
+    let tile = &noise.tile;
+    let alike = (2.0 * reach / side * (TAU.sqrt() * tile.length / side).max(1.0)).max(1.0);
+    let between = |i: usize, j: usize| match (places[i].nearest, places[j].nearest) {
+        (Some(one), Some(other)) => tile.between((one, other), i == j),
+        _ if i == j => alike * tile.sigma().powi(2),
+        _ => 0.0,
     };
-    (0..pixels.len()).map(around).collect()
-}
-
-/// Exposed share of each pixel, from the simulated dose minus the exposure threshold: linear between the places where
-/// a straight border touches the pixel's first and last corner. NaN where the dose is unknown.
-fn covered(margin: &[f64], pixels: PixelGrid) -> Vec<f64> {
-    let slope = |at: usize, step: usize, is_inside: [bool; 2]| {
-        let (low, high) = (at - step * usize::from(is_inside[0]), at + step * usize::from(is_inside[1]));
-        step as f64 * (margin[high] - margin[low]) / (high - low).max(1) as f64
-    };
-    let share = |at: usize| {
-        let (i, j) = (at % pixels.nx, at / pixels.nx);
-        let along = slope(at, 1, [i > 0, i + 1 < pixels.nx]);
-        let across = slope(at, pixels.nx, [j > 0, j + 1 < pixels.ny]);
-        let reach = along.abs() + across.abs();
-        let resolved = 0.5 + margin[at] / reach;
-        if reach > 0.0 || margin[at].is_nan() {
-            resolved.clamp(0.0, 1.0)
-        } else {
-            f64::from(u8::from(margin[at] >= 0.0))
-        }
-    };
-    (0..pixels.len()).map(share).collect()
+    let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| ratios[i] * ratios[j] * between(i, j));
+    let columns = DMatrix::from_fn(places.len(), 2, |k, axis| -places[k].away[axis]);
+    Whitener::new(covariance, Freedom::around_zero(columns, &[PART_SHIFT_SIGMA; 2]))
 }
 
 #[cfg(test)]
 mod tests {
+    use sdf_bake::PixelGrid;
+
     use super::*;
 
     const PIXELS: PixelGrid = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 60, ny: 50 };
@@ -267,13 +307,6 @@ mod tests {
         ExposureView::new(mask, &vec![false; PIXELS.len()], 4, 3e-3).unwrap()
     }
 
-    #[test]
-    fn a_disc_covers_its_area() {
-        let area = covered(&disc(6.2e-3, 0), PIXELS).iter().sum::<f64>() * PIXELS.pitch.powi(2);
-        assert!((area / (std::f64::consts::PI * 6.2e-3f64.powi(2)) - 1.0).abs() < 2e-3, "{area}");
-        assert!(covered(&[f64::NAN; 3000], PIXELS).iter().all(|share| share.is_nan()));
-    }
-
     /// Mean difference between the borders of a measured and a simulated disc [px], over tiles near the border of a few
     /// discs.
     fn mean_difference(measured: f64, simulated: impl Fn(&ExposureView, &[f64]) -> Vec<f64>) -> f64 {
@@ -282,8 +315,8 @@ mod tests {
             let view = view(&margin);
             let field = simulated(&view, &margin);
             let places = border_distances(&view.tiles, &field, &Border::new(&field, PIXELS), view.reach);
-            let near = view.distances.iter().zip(places).filter(|(distance, _)| distance.abs() < 1.5e-3);
-            near.map(|(distance, place)| (distance - place.distance) / PIXELS.pitch).collect::<Vec<_>>()
+            let near = view.places.iter().zip(places).filter(|(measured, _)| measured.distance.abs() < 1.5e-3);
+            near.map(|(measured, place)| (measured.distance - place.distance) / PIXELS.pitch).collect::<Vec<_>>()
         });
         let (sum, count) = differences.fold((0.0, 0.0), |(sum, count), difference| (sum + difference, count + 1.0));
         sum / count
@@ -298,6 +331,57 @@ mod tests {
             println!("{radius}: {unlike} {alike}");
             assert!(alike.abs() < 0.04 && unlike < -0.1, "{radius}: {alike} and {unlike}");
         }
+    }
+
+    /// Margin of the half plane beside a slanted line, and its distances from places.
+    fn slanted(shift: f64) -> (Vec<f64>, impl Fn(DVec2) -> f64) {
+        let distance = move |place: DVec2| DVec2::new(0.28, 0.96).dot(place) - 11e-3 - shift;
+        let places = (0..PIXELS.len()).map(|at| PIXELS.position(at % PIXELS.nx, at / PIXELS.nx));
+        (places.map(distance).collect(), distance)
+    }
+
+    #[test]
+    fn a_border_near_the_centre_of_a_tile_has_its_side() {
+        // The border moves over the centres of tiles in steps of a twentieth of a pixel.
+        for number in 0..40 {
+            let (margin, distance) = slanted(0.05 * PIXELS.pitch * f64::from(number));
+            let view = view(&margin);
+            for (tile, place) in
+                view.tiles.centres.iter().zip(&view.places).filter(|(_, place)| place.nearest.is_some())
+            {
+                let error = (place.distance - distance(*tile)) / PIXELS.pitch;
+                assert!(error.abs() < 0.4, "{number}, {tile}: off by {error} pixels");
+            }
+        }
+    }
+
+    #[test]
+    fn the_lattice_error_moves_a_border_as_the_finer_lattice_does() {
+        let [(measured, _), (usual, _), (finer, _)] = [0.0, 0.3, 0.1].map(|shift| slanted(shift * PIXELS.pitch));
+        let view = view(&measured).beside(None, [&usual, &finer]).unwrap();
+        let (left, finer) = (view.whitened(&usual), view.whitened(&finer));
+        assert!(view.lattice_field.iter().any(|field| field.abs() > 0.1));
+        for ((left, field), finer) in left.iter().zip(&view.lattice_field).zip(finer) {
+            assert!((left - field - finer).abs() < 1e-9, "{left} less {field} is not {finer}");
+        }
+    }
+
+    #[test]
+    fn a_gentle_slope_of_the_dose_makes_a_border_uncertain() {
+        let (margin, _) = slanted(0.0);
+        let noise = BorderNoise { dose: 0.02, ..BorderNoise::expected(0.1e-3, (2e-3, PIXELS.pitch)) };
+        let sigma = |width: f64| {
+            let margin: Vec<f64> = margin.iter().map(|distance| distance / width).collect();
+            let view = view(&margin).beside(Some(noise), [&margin, &margin]).unwrap();
+            let near = view.places.iter().position(|place| place.distance.abs() < 1e-3).unwrap();
+            let mut weights = vec![0.0; view.tiles.len()];
+            weights[near] = 1.0;
+            view.whitener.sigma_of_sum_given(&weights, &DMatrix::zeros(2, 2))
+        };
+        let (steep, gentle) = (sigma(0.1e-3), sigma(10e-3));
+        // Two hundredths of ten millimetres, beside the resolution of 0.065 mm.
+        let expected = (0.2f64 / (0.5 / 60.0f64.sqrt())).hypot(1.0);
+        assert!((gentle / steep / expected - 1.0).abs() < 0.02, "{steep} and {gentle}");
     }
 
     #[test]

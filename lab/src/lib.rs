@@ -5,8 +5,8 @@
 //! 1. The crate `trial-simulation` simulates trials as they were logged and as the instrument sees them; `scans` and
 //!    `evidence` compare the result with the measurements.
 //! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data (`observation` is their interface); `tiles` cuts scans up.
-//! 3. `covariance` whitens residuals: noise (`tile_noise`, `noise_fit`), each scan's free pose, and the simulation's lattice error
-//!    (`simulation_errors`); `blur` fits the instrument.
+//! 3. `covariance` whitens residuals: noise (`tile_noise`, `noise_fit`, `border_noise`), each scan's free pose, and the simulation's lattice
+//!    error (`simulation_errors`, `mask_errors`); `blur` fits the instrument.
 //! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from the starting values of `begin`; `uncertainty`
 //!    gives their intervals; `staged` fits the rate first.
 //! 5. `calibration` fits one effect after the other; the errors form the waterfall.
@@ -25,6 +25,7 @@ mod attempt;
 mod begin;
 mod blur;
 mod border;
+mod border_noise;
 mod calibrate;
 mod calibration;
 mod calibration_summary;
@@ -42,6 +43,7 @@ mod detectable;
 mod diagnose;
 mod error;
 mod evidence;
+mod exposed_share;
 mod exposure_view;
 mod extents;
 mod finding;
@@ -51,6 +53,7 @@ mod frame;
 mod height_view;
 mod held;
 mod leaders;
+mod mask_errors;
 mod model_origin;
 mod model_weights;
 mod next_trial;

@@ -64,7 +64,8 @@ impl ScanEvidence<'_> {
         nuisances: Nuisances,
     ) -> Result<Vec<f64>, EvidenceError> {
         let pass = &passes[view.trial][view.pass];
-        view.data.predicted((pass, model), &|surface| self.as_scanned(view, surface, nuisances))
+        let predicted = view.data.predicted((pass, model), &|surface| self.as_scanned(view, surface, nuisances))?;
+        Ok(self.with_missed_dose(view, predicted, nuisances.lattice_share))
     }
 
     /// The nuisance parameters with which a model agrees best with the calibration scans.
@@ -75,12 +76,12 @@ impl ScanEvidence<'_> {
         if let Some(nuisances) = self.nuisances {
             return Ok(nuisances);
         }
-        if self.process().signal() == Signal::Dose {
-            return Ok(Nuisances::default());
-        }
         let blur = self.blur_of((passes, model))?;
         let left = self.whitened((passes, model), Split::Calibration, blur)?;
         let lattice_share = lattice_share(&left, &self.lattice_field_of(Split::Calibration));
+        if self.process().signal() == Signal::Dose {
+            return Ok(Nuisances { lattice_share, ..Nuisances::default() });
+        }
         let alone = self.whitened_alone((passes, model), Split::Calibration, blur)?;
         let frame = self.frame.as_ref().map_or([0.0; QUANTITIES], |frame| frame.most_likely(&alone));
         let even = Nuisances { blur, lattice_share, rim_share: 0.0, frame };

@@ -4,6 +4,7 @@ use effects::CompiledModel;
 
 use super::evidence::{Agreement, EvidenceError, Split};
 use super::frame::FrameFreedom;
+use super::mask_errors::MaskErrors;
 use super::scans::ScanEvidence;
 use crate::model_origin;
 
@@ -58,8 +59,9 @@ impl ScanEvidence<'_> {
     ) -> Result<T, EvidenceError> {
         let Some(journal) = &self.journal else { return make() };
         let errors = self.simulation_errors.as_ref().map(|errors| errors.identity());
+        let masks = self.mask_errors.as_ref().map(MaskErrors::identity);
         let frame = self.frame.as_ref().map(FrameFreedom::identity);
-        let seen = format!("{:?} {errors:?} {frame:?} {:?}", self.nuisances, self.logs_moved());
+        let seen = format!("{:?} {errors:?} {masks:?} {frame:?} {:?}", self.nuisances, self.logs_moved());
         let decides = format!("{split:?} {seen} {voxel_ratio} {:?} {:?}", self.most_steps, model_origin(model));
         let key = journal.key(&[T::NAME, &decides]);
         match journal.find(&key).as_deref() {

@@ -2,7 +2,6 @@
 
 use effects::{CompiledModel, Library, Model, Signal};
 
-use super::begin::with_matched_rate;
 use super::calibrate::fit_roughly;
 use super::calibration::{Calibration, Order};
 use super::diagnose::with_values;
@@ -18,15 +17,16 @@ const COATED_EVERYWHERE: &str = "no mask of a calibration pass shows the substra
                                  the coating somewhere, or give a pass after it";
 
 impl<'a> ScanEvidence<'a> {
-    /// Measures the lattice error of the simulation near a model, and finds the spikes that rims have hidden. From then
-    /// on the lattice error is a degree of freedom of the data, and the spikes are left out. Sanding does not move the
-    /// surface, and has no lattice error.
+    /// Measures the errors of the simulation near a model. From then on the lattice error is a degree of freedom of the
+    /// data. In ground surfaces, spikes that rims have hidden are found and left out. For masks, the noise of the border is
+    /// fitted to what the model leaves.
     ///
     /// # Errors
-    /// If the model cannot be simulated on a lattice twice as fine.
+    /// If the model cannot be simulated on a finer lattice.
     pub fn measure_simulation_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
         self.frame = None;
         if self.process().signal() == Signal::Dose {
+            self.measure_mask_errors(model)?;
             self.frame = FrameFreedom::of_moved(self, model)?;
             return Ok(());
         }
@@ -60,10 +60,6 @@ impl<'a> ScanEvidence<'a> {
         }
         let compiled = CompiledModel::new(model, library, self.rows())?;
         self.limit_steps(&compiled)?;
-        if self.process().signal() == Signal::Dose {
-            self.measure_simulation_errors(&with_matched_rate(self, &compiled)?)?;
-            return Calibration::new(self, (model, start), library, (order, done));
-        }
         let rough = fit_roughly(self, &compiled)?;
         self.measure_simulation_errors(&rough.model)?;
         // A poor fit is no good start for the next one.
@@ -83,10 +79,9 @@ impl<'a> ScanEvidence<'a> {
     /// # Errors
     /// If the model cannot be simulated.
     pub fn renewed(&mut self, calibration: Calibration) -> Result<Calibration, LabError> {
-        if self.process().signal() == Signal::Dose {
-            return Ok(calibration);
+        if self.process().signal() != Signal::Dose {
+            self.follow_frame(&calibration.last().fit)?;
         }
-        self.follow_frame(&calibration.last().fit)?;
         self.measure_simulation_errors(&calibration.last().fit.model)?;
         calibration.renewed(self)
     }
@@ -114,9 +109,11 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
+    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice. Masks have none: it would move
+    /// borders by more than their noise.
     pub(super) fn prepare_lattices(&mut self) {
-        self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
+        let is_ground = self.process().signal() != Signal::Dose;
+        self.coarse = is_ground.then(|| self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok()).flatten();
         self.simulation.limit_steps(self.most_steps);
         self.coarse.iter_mut().for_each(|coarse| coarse.limit_steps(self.most_steps));
     }

@@ -10,6 +10,7 @@ use super::coordinates::Coordinate;
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::fit::Fit;
 use super::frame::{FrameEstimate, FrameFreedom};
+use super::mask_errors::MaskErrors;
 use super::nuisances::Nuisances;
 use super::observation::{Observation, Untouched};
 use super::pass_trend::{PassTrend, trend_of_scans};
@@ -58,6 +59,8 @@ pub struct ScanEvidence<'a> {
     pub(super) most_steps: Option<usize>,
     /// Errors of the simulation, once measured.
     pub simulation_errors: Option<SimulationErrors>,
+    /// Lattice error of masks, once measured.
+    pub mask_errors: Option<MaskErrors>,
     /// Frame and clock, if the logs were moved and the response of the scans to them is known.
     pub frame: Option<FrameFreedom>,
     /// Journal of earlier predictions; `None` computes each again.
@@ -90,6 +93,7 @@ impl<'a> ScanEvidence<'a> {
             coarse: None,
             most_steps: None,
             simulation_errors: None,
+            mask_errors: None,
             frame: None,
             journal: None,
         })

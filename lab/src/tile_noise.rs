@@ -92,6 +92,12 @@ impl TileNoise {
         self.shared * self.shared * share
     }
 
+    /// Covariance of two tiles' means [m²], at given places.
+    pub(super) fn between(&self, (a, b): (DVec2, DVec2), is_same: bool) -> f64 {
+        let own = if is_same { self.alone * self.alone } else { 0.0 };
+        own + self.shared_between(a, b)
+    }
+
     /// Covariance of a scan's tiles. `before`, one value per tile, is the share of the previous scan's noise in the
     /// simulated surface: 1 where nothing was removed, 0 where the noisy layer is gone. The independent part is larger
     /// for a mean over fewer pixels.

@@ -36,7 +36,6 @@ const AGREED: &[(&str, f64)] = &[
     ("BORDER_REACH", 0.5),
     ("BORDER_MAJORITY_RADIUS", 2.0),
     ("BORDER_SCATTER_LEAST", 0.3),
-    ("BORDER_TILE_ERROR_LEAST", 0.5),
     ("BORDER_FLOOR_LEAST", 0.5),
     ("COATING_ERROR_RATIO", 2.0),
     ("GROUP_GAIN_SIGMA", 1.0),
