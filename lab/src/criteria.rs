@@ -313,6 +313,8 @@ criteria! {
     /// Smooth error of a simulated exposed border, relative to the distance that replaces the removal.
     SMOOTH_ERROR_EXPOSURE: f64 = 0.0025, "1",
         "measured: error of the law that made another laboratory's masks (docs/diagnosis.md, Limits)";
+    /// Ratio of a simulated border's smooth error in the intervals of parameters to that of the other laboratory's law.
+    SMOOTH_ERROR_BORDER: f64 = 1.6, "1", "measured: stiffness of 48 campaigns with nothing hidden (docs/calibration.md)";
     /// Ratio of the error common to all tiles of a simulated pass to its smooth error.
     SMOOTH_ERROR_PASS: f64 = 1.5, "1",
         "chosen: another laboratory's removed volumes scatter by 0.14 and 0.21 % about their law, 0.1 % of it noise";

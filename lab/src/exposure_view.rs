@@ -17,7 +17,7 @@ use super::tiles::{TileGrid, Tiles};
 use super::totals::Total;
 use crate::criteria::{
     BORDER_FLOOR_LEAST, BORDER_MAJORITY_RADIUS, BORDER_SCATTER_LEAST, COATING_ERROR_RATIO, PART_SHIFT_SIGMA,
-    SMOOTH_ERROR_EXPOSURE,
+    SMOOTH_ERROR_BORDER, SMOOTH_ERROR_EXPOSURE,
 };
 use trial_simulation::SimulatedPass;
 use trials::measure::median;
@@ -248,6 +248,7 @@ impl Observation for ExposureView {
 
     /// A shift of the border, which an error of the dose moves the farther the less the dose changes across it.
     fn smooth_error(&self, removed: &[f64], error: f64) -> Vec<f64> {
+        let error = SMOOTH_ERROR_BORDER * error;
         let here = |(reach, width): (&f64, &f64)| if *reach > 0.0 { (error * width).min(*reach) } else { 0.0 };
         removed.iter().zip(&self.widths).map(here).collect()
     }

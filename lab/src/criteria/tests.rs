@@ -155,6 +155,7 @@ const AGREED: &[(&str, f64)] = &[
     ("FAR_END_RATIO", 0.001),
     ("SMOOTH_ERROR_REMOVAL", 0.001),
     ("SMOOTH_ERROR_EXPOSURE", 0.0025),
+    ("SMOOTH_ERROR_BORDER", 1.6),
     ("SMOOTH_ERROR_PASS", 1.5),
     ("EFFECT_SIZE_SMOOTH", 2.0),
     ("EFFECT_SIZE_FLOOR", 0.1),
