@@ -73,7 +73,7 @@ criteria! {
     /// Maximum distance from the exposed border that a tile measures, relative to the tool's half width.
     BORDER_REACH: f64 = 0.5, "half widths", "chosen";
     /// Half side of the square of pixels whose majority decides if its central pixel is exposed.
-    BORDER_MAJORITY_RADIUS: i64 = 2, "px", "chosen";
+    BORDER_MAJORITY_RADIUS: usize = 2, "px", "chosen";
     /// Minimum scatter of the exposed border, estimated from single pixels.
     BORDER_SCATTER_LEAST: f64 = 0.3, "px", "chosen: resolution of a mask, and the simulation has its own lattice";
     /// Minimum noise floor of the border's position.

@@ -7,11 +7,9 @@ use glam::DVec2;
 use nalgebra::DMatrix;
 use sdf_bake::HeightMap;
 
-use super::border::{Border, BorderDistance};
 use super::border_noise::{BorderNoise, Left};
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
-use super::exposed_share::{between, covered, majority, shares_around};
 use super::observation::{Observation, Untouched};
 use super::tiles::{TileGrid, Tiles};
 use super::totals::Total;
@@ -20,14 +18,14 @@ use crate::criteria::{
     SMOOTH_ERROR_BORDER, SMOOTH_ERROR_EXPOSURE,
 };
 use trial_simulation::SimulatedPass;
-use trials::measure::median;
+use trials::measure::{Border, BorderDistance, between, covered, majority, median, shares_around};
 use trials::trial::ExposureMask;
 
 /// Ratio of the standard deviation of a normal variable to its mean absolute value.
 const MEAN_TO_SIGMA: f64 = 1.2533;
 
 /// Distance on both sides of a pixel over which the slope of the dose is taken [pixels].
-const WIDTH_REACH: usize = BORDER_MAJORITY_RADIUS as usize;
+const WIDTH_REACH: usize = BORDER_MAJORITY_RADIUS;
 
 /// An exposure mask as data.
 #[derive(Clone, Debug)]
@@ -61,7 +59,7 @@ impl ExposureView {
     pub fn new(measured: ExposureMask, free: &[bool], side: usize, reach: f64) -> Option<Self> {
         let pixels = measured.pixels;
         let tiles = TileGrid { pixels, side }.tiles(|at| measured.exposed[at].is_some() && !free[at]);
-        let majority = majority(&measured);
+        let majority = majority(&measured, BORDER_MAJORITY_RADIUS);
         let field: Vec<f64> = majority.iter().map(|share| share - 0.5).collect();
         let border = Border::new(&field, pixels);
         let is_odd = |&at: &usize| measured.exposed[at].is_some_and(|seen| seen != (majority[at] > 0.5));
@@ -188,12 +186,16 @@ impl ExposureView {
         let known: Vec<Option<f64>> = (self.measured.exposed.iter().zip(covered))
             .map(|(seen, share)| seen.and(Some(share).filter(|share| share.is_finite())))
             .collect();
-        shares_around(&known, self.measured.pixels).into_iter().map(|share| share - 0.5).collect()
+        shares_around(&known, self.measured.pixels, BORDER_MAJORITY_RADIUS)
+            .into_iter()
+            .map(|share| share - 0.5)
+            .collect()
     }
 
     /// Length of the measured border [pixels]; at least one.
     fn border_length(&self) -> f64 {
-        let field: Vec<f64> = majority(&self.measured).iter().map(|share| share - 0.5).collect();
+        let field: Vec<f64> =
+            majority(&self.measured, BORDER_MAJORITY_RADIUS).iter().map(|share| share - 0.5).collect();
         Border::new(&field, self.measured.pixels).crossings().max(1) as f64
     }
 }

@@ -6,7 +6,7 @@
 //!    `evidence` compare the result with the measurements.
 //! 2. `height_view`, `exposure_view` and `rows` convert scans, masks and tables to data (`observation` is their interface); `tiles` cuts scans up.
 //! 3. `covariance` whitens residuals: noise (`tile_noise`, `noise_fit`, `border_noise`), each scan's free pose, and the simulation's lattice
-//!    error (`simulation_errors`, `mask_errors`); `blur` fits the instrument.
+//!    error (`simulation_errors`, `mask_errors`); `nuisances` fits the instrument's blur.
 //! 4. `fit` varies the parameters (`coordinates`, `derivatives`) from the starting values of `begin`; `uncertainty`
 //!    gives their intervals; `staged` fits the rate first.
 //! 5. `calibration` fits one effect after the other; the errors form the waterfall.
@@ -23,8 +23,6 @@
 
 mod attempt;
 mod begin;
-mod blur;
-mod border;
 mod border_noise;
 mod calibrate;
 mod calibration;
@@ -43,7 +41,6 @@ mod detectable;
 mod diagnose;
 mod error;
 mod evidence;
-mod exposed_share;
 mod exposure_view;
 mod extents;
 mod finding;
@@ -53,6 +50,7 @@ mod frame;
 mod height_view;
 mod held;
 mod leaders;
+mod least_of;
 mod mask_errors;
 mod model_origin;
 mod model_weights;
@@ -103,7 +101,6 @@ mod unlisted;
 mod verdict;
 
 pub use attempt::{Attempt, Tried};
-pub use blur::blurred;
 pub use calibrate::{calibrate, calibrate_scans, fit_roughly};
 pub use calibration::{Calibration, Fitted, Judged, Order, uncalibrated};
 pub use calibration_summary::{CalibrationSummary, Correlation, RemovalError, beginning, correlations};

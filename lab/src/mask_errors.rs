@@ -36,12 +36,13 @@ impl MaskErrors {
 
 impl ScanEvidence<'_> {
     /// Measures the lattice error of masks near a model, and fits the noise of their borders to what the model leaves.
-    /// From then on both are part of the data's covariance.
+    /// From then on both are part of the data's covariance, and there is no coarser lattice: it moves borders by more than
+    /// that noise.
     ///
     /// # Errors
     /// If the model cannot be simulated on the finer lattice.
     pub(super) fn measure_mask_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        self.mask_errors = None;
+        (self.mask_errors, self.coarse) = (None, None);
         let simulation = &self.simulation.trials()[0];
         let finer = simulation.trial.scans.before.pixels.pitch / simulation.part.voxel;
         let finer = self.simulation.on_voxels(finer.min(FINER))?;

@@ -5,14 +5,14 @@ use effects::{CompiledModel, Signal};
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use super::blur::{blurred, least_of};
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::robust_sum;
 use super::frame::{FrameValues, QUANTITIES};
+use super::least_of::least_of;
 use super::scans::{ScanEvidence, ScanView};
 use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
-use crate::criteria::BLUR_WIDEST;
-use trial_simulation::SimulatedPass;
+use crate::criteria::{BLUR_WIDEST, CHANGED_HEIGHT};
+use trial_simulation::{SimulatedPass, blurred};
 
 /// Number of blurs tried at first, and the change at which the search ends [pixels].
 const BLUR_STEPS: usize = 6;
@@ -40,7 +40,8 @@ pub type ModelPasses<'a> = (&'a [Vec<SimulatedPass>], &'a CompiledModel);
 impl ScanEvidence<'_> {
     /// Returns a simulated surface as the instrument sees it.
     pub fn as_scanned(&self, view: &ScanView, simulated: &HeightMap, nuisances: Nuisances) -> HeightMap {
-        let mut seen = blurred(simulated, &self.simulation.trials()[view.trial].trial.scans.before, nuisances.blur);
+        let before = &self.simulation.trials()[view.trial].trial.scans.before;
+        let mut seen = blurred(simulated, (before, CHANGED_HEIGHT), nuisances.blur);
         if let Some(frame) = &self.frame {
             frame.add_to(&mut seen.heights, (view.trial, view.pass), nuisances.frame);
         }

@@ -109,11 +109,9 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice. Masks have none: it would move
-    /// borders by more than their noise.
+    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
     pub(super) fn prepare_lattices(&mut self) {
-        let is_ground = self.process().signal() != Signal::Dose;
-        self.coarse = is_ground.then(|| self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok()).flatten();
+        self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
         self.simulation.limit_steps(self.most_steps);
         self.coarse.iter_mut().for_each(|coarse| coarse.limit_steps(self.most_steps));
     }

@@ -5,12 +5,14 @@
 //! [`SeenSurface`] is the surface of the part at the scanner's pixels after a pass. A [`PassPlan`] is an executed pass
 //! with other settings.
 
+mod blur;
 mod campaign;
 mod pass_plan;
 mod recent;
 mod scanner;
 mod simulation;
 
+pub use blur::blurred;
 pub use campaign::{CampaignError, CampaignSimulation, Stop};
 pub use pass_plan::{PassPlan, without_scans};
 pub use scanner::{SeenSurface, exposed_share};

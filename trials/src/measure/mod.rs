@@ -2,8 +2,11 @@
 //!
 //! [`untouched`] finds the pixels that a tool did not touch. On those, [`register`] fits a scan to a reference, because
 //! every scan has its own offset and tilt. [`noise_floor`] estimates from a repeated scan how well any model can agree;
-//! [`residual`] measures how well one does. Missing pixels are never filled here.
+//! [`residual`] measures how well one does. Missing pixels are never filled here. In a mask, [`majority`] is the share of
+//! exposed pixels around each pixel, and [`Border`] is the contour of such a field.
 
+mod border;
+mod exposed_share;
 mod noise;
 mod plateau;
 mod register;
@@ -13,6 +16,8 @@ mod untouched;
 
 use sdf_bake::HeightMap;
 
+pub use border::{Border, BorderDistance};
+pub use exposed_share::{between, covered, majority, shares_around};
 pub use noise::{NoiseFloor, noise_floor};
 pub use plateau::{Plateau, SectionAxis, plateau_pixels};
 pub(crate) use register::has_slope;

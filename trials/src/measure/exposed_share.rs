@@ -3,24 +3,25 @@
 
 use glam::DVec2;
 use sdf_bake::PixelGrid;
-use trials::trial::ExposureMask;
 
-use crate::criteria::BORDER_MAJORITY_RADIUS;
+use crate::trial::ExposureMask;
 
 /// Share of exposed pixels around each pixel.
-pub(super) fn majority(mask: &ExposureMask) -> Vec<f64> {
+///
+/// - `radius`: columns and rows on each side that count as around [pixels]
+pub fn majority(mask: &ExposureMask, radius: usize) -> Vec<f64> {
     let seen: Vec<Option<f64>> = mask.exposed.iter().map(|seen| seen.map(|seen| f64::from(u8::from(seen)))).collect();
-    shares_around(&seen, mask.pixels)
+    shares_around(&seen, mask.pixels, radius)
 }
 
 /// Mean of the known values around each pixel; 0 where there are none.
-pub(super) fn shares_around(values: &[Option<f64>], pixels: PixelGrid) -> Vec<f64> {
-    let (nx, ny) = (pixels.nx as i64, pixels.ny as i64);
+///
+/// - `radius`: columns and rows on each side that count as around [pixels]
+pub fn shares_around(values: &[Option<f64>], pixels: PixelGrid, radius: usize) -> Vec<f64> {
     let around = |at: usize| {
-        let (i, j) = (at as i64 % nx, at as i64 / nx);
-        let columns = (i - BORDER_MAJORITY_RADIUS).max(0)..=(i + BORDER_MAJORITY_RADIUS).min(nx - 1);
-        let rows = (j - BORDER_MAJORITY_RADIUS).max(0)..=(j + BORDER_MAJORITY_RADIUS).min(ny - 1);
-        let known = rows.flat_map(|j| columns.clone().map(move |i| (j * nx + i) as usize));
+        let beside = |place: usize, count: usize| place.saturating_sub(radius)..(place + radius + 1).min(count);
+        let (columns, rows) = (beside(at % pixels.nx, pixels.nx), beside(at / pixels.nx, pixels.ny));
+        let known = rows.flat_map(|j| columns.clone().map(move |i| pixels.at(i, j)));
         let (sum, count) =
             known.filter_map(|at| values[at]).fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
         if count > 0.0 { sum / count } else { 0.0 }
@@ -30,7 +31,7 @@ pub(super) fn shares_around(values: &[Option<f64>], pixels: PixelGrid) -> Vec<f6
 
 /// Exposed share of each pixel, from the simulated dose minus the exposure threshold: linear between the places where
 /// a straight border touches the pixel's first and last corner. NaN where the dose is unknown.
-pub(super) fn covered(margin: &[f64], pixels: PixelGrid) -> Vec<f64> {
+pub fn covered(margin: &[f64], pixels: PixelGrid) -> Vec<f64> {
     let slope = |at: usize, step: usize, is_inside: [bool; 2]| {
         let (low, high) = (at - step * usize::from(is_inside[0]), at + step * usize::from(is_inside[1]));
         step as f64 * (margin[high] - margin[low]) / (high - low).max(1) as f64
@@ -51,7 +52,7 @@ pub(super) fn covered(margin: &[f64], pixels: PixelGrid) -> Vec<f64> {
 }
 
 /// Bilinear interpolation of a field between the pixels around a place.
-pub(super) fn between(field: &[f64], pixels: PixelGrid, place: DVec2) -> f64 {
+pub fn between(field: &[f64], pixels: PixelGrid, place: DVec2) -> f64 {
     let last = DVec2::new((pixels.nx - 1) as f64, (pixels.ny - 1) as f64);
     let local = pixels.coordinates(place).clamp(DVec2::ZERO, last);
     let low = local.floor().min(last - 1.0).max(DVec2::ZERO);
