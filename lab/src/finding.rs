@@ -36,7 +36,8 @@ pub struct Finding {
     /// Factor on the prior odds from the family: all forms of a dependence are equally likely a priori, and the one
     /// that predicts best represents them. 0 for a form that another one represents.
     pub share: f64,
-    /// True if it is admissible: significant, large enough to be named, and from data that depend on the settings.
+    /// True if it is admissible: significant, large enough to be named or as good an explanation as one that is, and from
+    /// data that depend on the settings.
     pub is_admissible: bool,
     /// Reason why it cannot be named alone, even if it fits far better than all others.
     pub reserve: Option<Reserve>,
@@ -66,6 +67,11 @@ impl Finding {
     /// with a value for each pass.
     pub(super) fn may_be_cause(&self) -> bool {
         !self.suspect.is_on_bound() && self.reserve != Some(Reserve::ValuePerPass)
+    }
+
+    /// Returns true for an effect that noise alone would hardly show, of whatever size.
+    pub(super) fn is_significant(&self) -> bool {
+        self.size > 0.0
     }
 
     /// Returns the model with the effect as an element of a chain of searches.

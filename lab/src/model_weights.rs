@@ -41,6 +41,15 @@ pub(super) fn is_near(probability: f64, most: f64) -> bool {
     probability * NAMED_PROBABILITY >= most * (1.0 - NAMED_PROBABILITY) && probability > 0.0
 }
 
+/// Models that are admitted: those that are large enough, and, where the data cannot distinguish one of them from the most
+/// probable model, all that are near it. They explain the same difference, and it is large enough.
+pub(super) fn admitted(is_large: &[bool], probabilities: &[f64]) -> Vec<bool> {
+    let most = probabilities.iter().copied().fold(0.0, f64::max);
+    let one_matters = is_large.iter().zip(probabilities).any(|(is_large, &own)| *is_large && is_near(own, most));
+    let is_admitted = |(is_large, own): (&bool, &f64)| *is_large || (one_matters && is_near(*own, most));
+    is_large.iter().zip(probabilities).map(is_admitted).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,5 +72,14 @@ mod tests {
         let found = probabilities(&[even.clone(), out.clone(), even], &[1.0, 1.0, 3.0], 1);
         assert!((found[0] - 0.25).abs() < 1e-12 && found[1] == 0.0 && (found[2] - 0.75).abs() < 1e-12);
         assert_eq!(probabilities(&[out.clone(), out], &[1.0, 1.0], 1), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_size_does_not_choose_among_equal_explanations() {
+        let probabilities = [0.5, 0.3, 0.15, 0.05];
+        assert_eq!(admitted(&[false, true, false, false], &probabilities), [true, true, true, false]);
+        assert_eq!(admitted(&[false, false, false, true], &probabilities), [false, false, false, true]);
+        assert_eq!(admitted(&[false; 4], &probabilities), [false; 4]);
+        assert_eq!(admitted(&[false, true], &[0.0, 0.0]), [false, true]);
     }
 }

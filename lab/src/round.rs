@@ -11,7 +11,7 @@ use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::finding::{Against, Finding};
 use super::fit::Fit;
 use super::leaders::with_leaders_completed;
-use super::model_weights::{is_near, probabilities};
+use super::model_weights::{admitted, is_near, probabilities};
 use super::probe::Candidate;
 use super::reserve::Reserve;
 use super::response::{Baseline, Projector};
@@ -134,22 +134,32 @@ impl Round {
         round
     }
 
-    /// Computes the probabilities of the admissible effects and of none of them. An effect that cannot be the cause
-    /// counts for "none of them": something acts that no other effect describes.
+    /// Computes the probabilities of the effects and of none of them. All that are significant compete, of whatever size.
+    /// An effect that cannot be the cause counts for "none of them": something acts that no other effect describes. So
+    /// does one that is too small to be named.
     fn weigh(&mut self) {
-        let probabilities = self.probabilities(|finding| finding.is_admissible);
+        let probabilities = self.probabilities(Finding::is_significant);
+        self.admit(&probabilities[1..]);
         let [none, probabilities @ ..] = &self.no_surer_than_significant(probabilities)[..] else { return };
         self.none = *none;
         for (finding, &probability) in self.findings.iter_mut().zip(probabilities) {
+            let is_nameable = finding.is_admissible && finding.may_be_cause();
             finding.probability = match finding.reserve {
-                _ if !finding.may_be_cause() => 0.0,
+                _ if !is_nameable => 0.0,
                 Some(_) => probability.min(RESERVED_PROBABILITY),
                 None => probability,
             };
-            self.none += if finding.may_be_cause() { 0.0 } else { probability };
+            self.none += if is_nameable { 0.0 } else { probability };
         }
         self.findings
             .sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.delta_chi2.total_cmp(&a.delta_chi2)));
+    }
+
+    /// Admits effects that are slightly too small beside one that is large enough.
+    fn admit(&mut self, probabilities: &[f64]) {
+        let is_large: Vec<bool> = self.findings.iter().map(|finding| finding.is_admissible).collect();
+        let admitted = admitted(&is_large, probabilities);
+        self.findings.iter_mut().zip(admitted).for_each(|(finding, admitted)| finding.is_admissible = admitted);
     }
 
     /// Probability of no effect, then of each effect that `lets_in` accepts.
@@ -221,8 +231,7 @@ impl Round {
 
     /// The one effect that is significant and distinguishable but too small to be named.
     pub fn hint(&self) -> Option<&Finding> {
-        let is_real = |finding: &Finding| finding.size > 0.0;
-        let probabilities = self.probabilities(is_real);
+        let probabilities = self.probabilities(Finding::is_significant);
         let shown = self.findings.iter().zip(&probabilities[1..]);
         let is_hint = |(finding, probability): &(&Finding, &f64)| {
             !finding.is_admissible && finding.reserve.is_none() && **probability >= NAMED_PROBABILITY
