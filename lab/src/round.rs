@@ -239,6 +239,22 @@ impl Round {
         shown.into_iter().find(is_hint).map(|(finding, _)| finding)
     }
 
+    /// Effects that are significant but too small to be named, and that the data cannot distinguish from the most probable
+    /// of them, which is first. Empty unless it is nine times as probable that one of them acts as that none does.
+    pub(super) fn too_small(&self) -> Vec<&Finding> {
+        let probabilities = self.no_surer_than_significant(self.probabilities(Finding::is_significant));
+        let is_small = |(finding, _): &(&Finding, f64)| {
+            !finding.is_admissible && finding.reserve.is_none() && finding.may_be_cause()
+        };
+        let shown = self.findings.iter().zip(probabilities[1..].iter().copied());
+        let mut small: Vec<(&Finding, f64)> = shown.filter(is_small).collect();
+        small.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let most = small.first().map_or(0.0, |first| first.1);
+        let one_acts = small.iter().map(|(_, probability)| probability).sum::<f64>() >= NAMED_PROBABILITY;
+        small.retain(|(_, probability)| one_acts && is_near(*probability, most));
+        small.into_iter().map(|(finding, _)| finding).collect()
+    }
+
     /// True if the odds of the best effect against this one are at most nine to one: the two are indistinguishable.
     pub(super) fn is_near(&self, finding: &Finding) -> bool {
         let most = self.best().map_or(0.0, |best| best.probability);

@@ -46,7 +46,10 @@ pub(super) fn sentence((diagnosis, unit): (&Diagnosis, ErrorUnit), effects: &[Ef
         Verdict::Hint => diagnosis.hint().map_or(String::new(), |hint| hint_words(hint, diagnosis, unit)),
         Verdict::NothingMissing => {
             let beside = predicts_worse(diagnosis).unwrap_or_default();
-            format!("Nothing is missing that these data could show.{beside}")
+            match too_small(diagnosis, unit) {
+                Some(visible) => format!("{visible}{beside}"),
+                None => format!("Nothing is missing that these data could show.{beside}"),
+            }
         }
         Verdict::NotTestable if let Some(why) = &diagnosis.unrelated => format!("Nothing can be said: {why}."),
         Verdict::NotTestable if diagnosis.misses_held_out() => {
@@ -68,6 +71,21 @@ fn with_values(effect: &EffectSummary) -> String {
 fn predicts_worse(diagnosis: &Diagnosis) -> Option<String> {
     let best = diagnosis.rounds.first()?.taken_back()?;
     Some(format!(" The most probable effect is {}: {}.", best.suspect.name(), best.reserve?.words()))
+}
+
+/// Sentence on what is visible, but too small to be named, where several effects explain it.
+fn too_small(diagnosis: &Diagnosis, unit: ErrorUnit) -> Option<String> {
+    let round = diagnosis.rounds.first()?;
+    let effects = round.too_small();
+    let size = effects.first()?.size;
+    let names: Vec<&str> = effects.iter().map(|finding| finding.suspect.name()).collect();
+    let [size, least] = [size, round.least_size()].map(|size| significant(size * unit.per_one()));
+    let symbol = unit.symbol();
+    Some(format!(
+        "Nothing is missing that matters. What is visible changes {size} {symbol}, and {least} {symbol} would suffice to \
+         name its cause; these data would not tell which it is: {}.",
+        names.join(", ")
+    ))
 }
 
 /// Phrase on the effect that comes nearest, if it explains a good part of the misfit.

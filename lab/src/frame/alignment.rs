@@ -73,9 +73,11 @@ impl Search<'_> {
     fn settled(&mut self, mut place: FrameValues, voxel: Option<f64>) -> Result<FrameValues> {
         let is_rough = voxel.is_some();
         let near = if is_rough { FRAME_REACH } else { FRAME_SETTLED };
-        for _ in 0..MOST_MOVES {
+        let mut ways = Vec::new();
+        while ways.len() < MOST_MOVES && (is_rough || may_settle(&ways, near)) {
             let shown = self.shown(&self.placed(place), voxel)?;
-            if self.way_between(place, shown) <= near || !(self.is_far(place) || self.is_far(shown)) {
+            ways.push(self.way_between(place, shown));
+            if ways[ways.len() - 1] <= near || !(self.is_far(place) || self.is_far(shown)) {
                 return Ok(shown);
             }
             place = shown;
@@ -110,5 +112,27 @@ impl Search<'_> {
         // A rough fit may pass through models that take more steps than a rival is given.
         evidence.abandon_longer(&fit.model)?;
         Ok(judged(&rivals(&evidence, (&self.model, &fit), self.library)?).place)
+    }
+}
+
+/// True if moves of these lengths may come to one of at most `near` [m] within [`MOST_MOVES`]: each further one shortens
+/// them at least as much as the best so far. Two moves do not tell yet.
+fn may_settle(ways: &[f64], near: f64) -> bool {
+    let [.., _, _, last] = ways else { return true };
+    let best = ways.windows(2).map(|pair| pair[1] / pair[0]).fold(1.0, f64::min);
+    last * best.powi((MOST_MOVES - ways.len()) as i32) <= near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moves_that_hardly_shorten_are_given_up() {
+        let near = 0.05e-3;
+        assert!(may_settle(&[1e-3, 0.9e-3], near), "two do not tell");
+        assert!(!may_settle(&[1e-3, 0.62e-3, 0.61e-3], near), "by the sixth they are still 0.15 mm long");
+        assert!(may_settle(&[1e-3, 0.3e-3, 0.2e-3], near));
+        assert!(may_settle(&[1e-3, 1.2e-3, 0.3e-3, 0.1e-3], near), "they may grow at first");
     }
 }
