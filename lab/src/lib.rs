@@ -50,7 +50,6 @@ mod frame;
 mod height_view;
 mod held;
 mod leaders;
-mod least_of;
 mod mask_errors;
 mod model_origin;
 mod model_weights;

@@ -36,13 +36,12 @@ impl MaskErrors {
 
 impl ScanEvidence<'_> {
     /// Measures the lattice error of masks near a model, and fits the noise of their borders to what the model leaves.
-    /// From then on both are part of the data's covariance, and there is no coarser lattice: it moves borders by more than
-    /// that noise.
+    /// From then on both are part of the data's covariance, and there is no coarser lattice.
     ///
     /// # Errors
     /// If the model cannot be simulated on the finer lattice.
     pub(super) fn measure_mask_errors(&mut self, model: &CompiledModel) -> Result<(), EvidenceError> {
-        (self.mask_errors, self.coarse) = (None, None);
+        self.mask_errors = None;
         let simulation = &self.simulation.trials()[0];
         let finer = simulation.trial.scans.before.pixels.pitch / simulation.part.voxel;
         let finer = self.simulation.on_voxels(finer.min(FINER))?;
@@ -68,6 +67,7 @@ impl ScanEvidence<'_> {
             noise.map(|noise| (noise.dose, noise.tile.alone, noise.tile.shared, noise.tile.length, noise.tile.kernel));
         let identity = identity(&(&doses, of_noise));
         self.mask_errors = Some(MaskErrors { doses, identity });
+        self.prepare_lattices();
         Ok(())
     }
 

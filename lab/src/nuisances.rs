@@ -8,11 +8,11 @@ use sdf_bake::HeightMap;
 use super::evidence::{Evidence, EvidenceError, Split};
 use super::fit::robust_sum;
 use super::frame::{FrameValues, QUANTITIES};
-use super::least_of::least_of;
 use super::scans::{ScanEvidence, ScanView};
 use super::simulation_errors::{change_without_lattice_error, lattice_share, without_lattice_error};
 use crate::criteria::{BLUR_WIDEST, CHANGED_HEIGHT};
 use trial_simulation::{SimulatedPass, blurred};
+use trials::measure::least_of;
 
 /// Number of blurs tried at first, and the change at which the search ends [pixels].
 const BLUR_STEPS: usize = 6;

@@ -109,9 +109,11 @@ impl<'a> ScanEvidence<'a> {
         Ok(())
     }
 
-    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice.
+    /// Limits the steps of simulations, and prepares the same trials on the coarser lattice. Masks whose noise is known have
+    /// none: it moves borders by more than that noise.
     pub(super) fn prepare_lattices(&mut self) {
-        self.coarse = self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok();
+        let is_precise = self.mask_errors.is_some();
+        self.coarse = (!is_precise).then(|| self.simulation.on_voxels(COARSE_VOXEL_RATIO).ok()).flatten();
         self.simulation.limit_steps(self.most_steps);
         self.coarse.iter_mut().for_each(|coarse| coarse.limit_steps(self.most_steps));
     }

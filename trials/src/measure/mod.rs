@@ -7,6 +7,7 @@
 
 mod border;
 mod exposed_share;
+mod least_of;
 mod noise;
 mod plateau;
 mod register;
@@ -18,6 +19,7 @@ use sdf_bake::HeightMap;
 
 pub use border::{Border, BorderDistance};
 pub use exposed_share::{between, covered, majority, shares_around};
+pub use least_of::least_of;
 pub use noise::{NoiseFloor, noise_floor};
 pub use plateau::{Plateau, SectionAxis, plateau_pixels};
 pub(crate) use register::has_slope;

@@ -1,4 +1,4 @@
-//! Minimum of a smooth cost of one number.
+//! Minimum of a smooth cost of one number, such as the misfit of a scan by the blur of its instrument.
 
 /// Most parabolas, and least step as a share of the wider side, so that both sides shrink.
 const MOST_VERTICES: usize = 12;
