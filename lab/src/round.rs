@@ -243,9 +243,7 @@ impl Round {
     /// of them, which is first. Empty unless it is nine times as probable that one of them acts as that none does.
     pub(super) fn too_small(&self) -> Vec<&Finding> {
         let probabilities = self.no_surer_than_significant(self.probabilities(Finding::is_significant));
-        let is_small = |(finding, _): &(&Finding, f64)| {
-            !finding.is_admissible && finding.reserve.is_none() && finding.may_be_cause()
-        };
+        let is_small = |(finding, _): &(&Finding, f64)| !finding.is_admissible && finding.may_be_cause();
         let shown = self.findings.iter().zip(probabilities[1..].iter().copied());
         let mut small: Vec<(&Finding, f64)> = shown.filter(is_small).collect();
         small.sort_by(|a, b| b.1.total_cmp(&a.1));
