@@ -1,4 +1,4 @@
-//! Noise of the borders of masks, from the variogram of what a simulation leaves along them.
+//! Noise of the borders of masks, from the variogram of their residuals.
 
 use glam::DVec2;
 use nalgebra::{DMatrix, DVector};
@@ -25,9 +25,9 @@ const DOSE_STEPS: usize = 20;
 /// Greatest noise of the dose that is considered [1].
 const DOSE_NOISE_MOST: f64 = 1.0;
 
-/// What a simulation leaves at a place on the border of a mask.
+/// Residual of the border of a mask at one place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Left {
+pub(super) struct BorderResidual {
     /// The place, on the measured border [m].
     pub(super) place: DVec2,
     /// Distance from the measured to the simulated border [m].
@@ -75,18 +75,18 @@ impl BorderNoise {
         Self { tile, dose: 0.0 }
     }
 
-    /// Fits the noise to what a simulation leaves of masks. The noise of the dose is that with which places of any width
+    /// Fits the noise to the residuals of masks. The noise of the dose is that with which places of any width
     /// scatter as much as pixels alone would let them.
     ///
     /// - `side`, `pitch`: of a tile and of a pixel [m]
     ///
     /// Returns `None` if there are too few places.
-    pub(super) fn fitted(masks: &[Vec<Left>], (side, pitch): (f64, f64)) -> Option<Self> {
+    pub(super) fn fitted(masks: &[Vec<BorderResidual>], (side, pitch): (f64, f64)) -> Option<Self> {
         let least = resolution(pitch);
         let with = |dose: f64| -> Option<Self> {
-            let scaled = |left: &Left| (left.place, left.distance / ratio(dose * left.width, least));
+            let scaled = |own: &BorderResidual| (own.place, own.distance / ratio(dose * own.width, least));
             let masks: Vec<Along> = masks.iter().map(|mask| mask.iter().map(scaled).collect()).collect();
-            Some(Self { tile: fitted(&masks, (side, pitch))?, dose })
+            Some(Self { tile: variogram_noise(&masks, (side, pitch))?, dose })
         };
         let alone = with(0.0)?;
         let (mut low, mut high) = (0.0, DOSE_NOISE_MOST);
@@ -116,17 +116,17 @@ fn ratio(moved: f64, resolution: f64) -> f64 {
     (moved / resolution).hypot(1.0)
 }
 
-/// Places on the border of one mask, and what is left there [m].
+/// Places on the border of one mask, and their residuals [m].
 type Along = Vec<(DVec2, f64)>;
 
-/// Fits the noise of a border to what a simulation leaves along it. Half the mean square difference of two places at a
-/// distance d is `n² + σ² (1 − ρ(d/L)) + s² d²` (Matheron 1963): noise of single tiles, noise with the correlation function ρ
+/// Fits the noise of a border to its residuals. Half the mean square difference of two places at a
+/// distance d is `n² + σ² (1 − ρ(d/L)) + c d²` (Matheron 1963): noise of single tiles, noise with the correlation function ρ
 /// that the border shares over a length L, and the smooth error of a model that lacks an effect.
 ///
 /// - `side`, `pitch`: of a tile and of a pixel [m]
 ///
 /// Returns `None` if there are too few places.
-fn fitted(masks: &[Along], (side, pitch): (f64, f64)) -> Option<TileNoise> {
+fn variogram_noise(masks: &[Along], (side, pitch): (f64, f64)) -> Option<TileNoise> {
     let variogram = Variogram::of(masks, side)?;
     let ratio = (LENGTHS[1] / LENGTHS[0]).powf(f64::from(LENGTH_STEPS - 1).recip());
     let lengths = |kernel: Kernel| (0..LENGTH_STEPS).map(move |step| (kernel, LENGTHS[0] * ratio.powi(step)));
@@ -150,13 +150,13 @@ impl Variogram {
     fn of(masks: &[Along], side: f64) -> Option<Self> {
         let mut bins = [Bin::default(); BINS];
         for mask in masks {
-            for (k, (place, left)) in mask.iter().enumerate() {
+            for (k, (place, residual)) in mask.iter().enumerate() {
                 for (other, beside) in &mask[..k] {
                     let distance = place.distance(*other) / side;
                     let Some(bin) = bins.get_mut((BINS_PER_SIDE * distance) as usize) else { continue };
                     bin.pairs += 1;
                     bin.distances += distance;
-                    bin.roots += (left - beside).abs().sqrt();
+                    bin.roots += (residual - beside).abs().sqrt();
                 }
             }
         }
@@ -204,20 +204,20 @@ mod tests {
 
     /// Straight borders of 0.3 m under a dose that changes by one over 4 to 14 mm, with drawn noise of the dose and of the
     /// pixels, and a smooth error of the model.
-    fn drawn(dose: f64, smooth: f64) -> Vec<Vec<Left>> {
+    fn drawn(dose: f64, smooth: f64) -> Vec<Vec<BorderResidual>> {
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let mut normal = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
         // White noise averaged with a Gaussian has the correlation of a Gaussian that is wider by the root of two.
         let weights: Vec<f64> = (-20..=20).map(|k| (-(f64::from(k) * PITCH / LENGTH).powi(2)).exp()).collect();
         let norm = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
-        let mask = |_: usize| -> Vec<Left> {
+        let mask = |_: usize| -> Vec<BorderResidual> {
             let white: Vec<f64> = (0..640).map(|_| normal()).collect();
             let noise = |k: usize| weights.iter().zip(&white[k..]).map(|(a, b)| a * b).sum::<f64>() / norm;
             let at = |k: usize| {
                 let place = DVec2::new(k as f64 * PITCH, 0.0);
                 let width = 9e-3 + 5e-3 * (place.x / 40e-3).sin();
                 let sigma = (dose * width).hypot(resolution(PITCH));
-                Left { place, distance: sigma * noise(k) + smooth * (place.x / 60e-3).cos(), width }
+                BorderResidual { place, distance: sigma * noise(k) + smooth * (place.x / 60e-3).cos(), width }
             };
             (0..600).map(at).collect()
         };
@@ -246,9 +246,9 @@ mod tests {
 
     #[test]
     fn pixels_limit_what_a_quiet_border_shows() {
-        let quiet: Vec<Vec<Left>> = drawn(0.0, 0.0)
+        let quiet: Vec<Vec<BorderResidual>> = drawn(0.0, 0.0)
             .into_iter()
-            .map(|mask| mask.into_iter().map(|left| Left { distance: 0.1 * left.distance, ..left }).collect())
+            .map(|mask| mask.into_iter().map(|left| BorderResidual { distance: 0.1 * left.distance, ..left }).collect())
             .collect();
         let found = BorderNoise::fitted(&quiet, (SIDE, PITCH)).unwrap();
         assert_eq!([found.tile.alone, found.tile.shared], [resolution(PITCH); 2]);

@@ -7,7 +7,7 @@ use glam::DVec2;
 use nalgebra::DMatrix;
 use sdf_bake::HeightMap;
 
-use super::border_noise::{BorderNoise, Left};
+use super::border_noise::{BorderNoise, BorderResidual};
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
 use super::observation::{Observation, Untouched};
@@ -100,13 +100,13 @@ impl ExposureView {
         self.tiles.grid.side as f64 * self.measured.pixels.pitch
     }
 
-    /// What a simulation leaves along the border at the tiles within reach.
-    pub(super) fn along(&self, margin: &[f64]) -> Vec<Left> {
+    /// Residuals of the border at the tiles within reach.
+    pub(super) fn border_residuals(&self, margin: &[f64]) -> Vec<BorderResidual> {
         let places = self.places.iter().zip(self.difference(margin)).zip(self.widths(margin));
-        let left = |((place, distance), width): ((&BorderDistance, f64), f64)| {
-            Some(Left { place: place.nearest?, distance, width })
+        let residual = |((place, distance), width): ((&BorderDistance, f64), f64)| {
+            Some(BorderResidual { place: place.nearest?, distance, width })
         };
-        places.filter_map(left).collect()
+        places.filter_map(residual).collect()
     }
 
     /// Distance [m] across the border nearest to each tile over which the simulated dose changes by one.

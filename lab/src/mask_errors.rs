@@ -2,7 +2,7 @@
 
 use effects::CompiledModel;
 
-use super::border_noise::{BorderNoise, Left};
+use super::border_noise::{BorderNoise, BorderResidual};
 use super::evidence::{EvidenceError, Split};
 use super::exposure_view::ExposureView;
 use super::model_origin::identity;
@@ -35,7 +35,7 @@ impl MaskErrors {
 }
 
 impl ScanEvidence<'_> {
-    /// Measures the lattice error of masks near a model, and fits the noise of their borders to what the model leaves.
+    /// Measures the lattice error of masks near a model, and fits the noise of their borders to the residuals.
     /// From then on both are part of the data's covariance, and there is no coarser lattice.
     ///
     /// # Errors
@@ -76,9 +76,10 @@ impl ScanEvidence<'_> {
         let masks = self.views.iter().zip(margins).filter(|(view, _)| view.split == Split::Calibration);
         let masks: Vec<(&ExposureView, &[Vec<f64>; 2])> =
             masks.filter_map(|(view, margins)| Some((view.data.as_exposure()?, margins))).collect();
-        let along: Vec<Vec<Left>> = masks.iter().map(|(data, [_, finer])| data.along(finer)).collect();
+        let residuals: Vec<Vec<BorderResidual>> =
+            masks.iter().map(|(data, [_, finer])| data.border_residuals(finer)).collect();
         let first = masks.first()?.0;
-        BorderNoise::fitted(&along, (first.tile_side(), first.measured.pixels.pitch))
+        BorderNoise::fitted(&residuals, (first.tile_side(), first.measured.pixels.pitch))
     }
 
     /// Adds the share of the lattice error in the data to the simulated doses of a mask.

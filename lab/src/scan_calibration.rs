@@ -19,7 +19,7 @@ const COATED_EVERYWHERE: &str = "no mask of a calibration pass shows the substra
 impl<'a> ScanEvidence<'a> {
     /// Measures the errors of the simulation near a model. From then on the lattice error is a degree of freedom of the
     /// data. In ground surfaces, spikes that rims have hidden are found and left out. For masks, the noise of the border is
-    /// fitted to what the model leaves.
+    /// fitted to the residuals.
     ///
     /// # Errors
     /// If the model cannot be simulated on a finer lattice.
