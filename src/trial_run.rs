@@ -22,8 +22,8 @@ use study::snapshot::STATE_NAMES;
 use lab::{Origin, identity, model_origin};
 use sim::{PassRecord, Progress};
 use trial_simulation::{RunState, SimulatedPass, Simulation, exposed_share};
-use trials::measure::{CLEARANCE, DegreesOfFreedom, despiked, noise_floor, register, untouched};
-use trials::trial::{HeldTool, ToolPath, Trial};
+use trials::measure::{CLEARANCE, DegreesOfFreedom, despiked, noise_floor, register, untouched_in_passes};
+use trials::trial::{HeldTool, PassScan, Trial};
 
 /// Name of the result file.
 pub const SIMULATION_FILE: &str = "simulation.json";
@@ -78,7 +78,8 @@ pub struct TrialRunSummary {
     force_rms_error_n: Vec<f64>,
     /// Impulse ∫ F dt of each pass [N s].
     impulse_ns: Vec<f64>,
-    /// Root mean square of measured minus simulated heights after registration [µm]; empty for sanding.
+    /// Root mean square of measured minus simulated heights after registration, of each scanned pass [µm]; empty for
+    /// sanding.
     residual_rms_um: Vec<f64>,
     /// Noise of one scan, from the repeated scan [µm]; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -94,7 +95,8 @@ impl TrialPasses<'_> {
     fn pass(&self, simulated: SimulatedPass, number: usize) -> TrialPass {
         let trial = self.simulation.trial;
         let residual = residual(trial, &simulated, number - 1);
-        let measured_share = trial.passes[number - 1].scan.mask().map(exposed_share);
+        let scan = Some(&trial.passes[number - 1].scan).filter(|scan| !scan.is_missing());
+        let measured_share = scan.and_then(PassScan::mask).map(exposed_share);
         TrialPass { simulated, residual, measured_share }
     }
 }
@@ -216,18 +218,13 @@ impl TrialRun {
 }
 
 /// Returns the root mean square of measured minus simulated heights after a pass [m], registered where no pass so far
-/// touched the part; `None` for exposure masks, and if too little is untouched.
+/// touched the part; `None` for exposure masks, for a pass without a scan, and if too little is untouched.
 ///
 /// - `pass`: its number, from 0
 pub fn residual(trial: &Trial, simulated: &SimulatedPass, pass: usize) -> Option<f64> {
     let (measured, simulated) = (trial.passes[pass].scan.heights()?, simulated.scan.heights()?);
     let (measured, _) = despiked(measured);
-    let mut free = vec![true; measured.heights.len()];
-    for before in &trial.passes[..=pass] {
-        let path = ToolPath::of(&before.log, &trial.tool, before.force_setpoint);
-        let alone = untouched(&trial.scans.before, &path, &trial.tool, CLEARANCE);
-        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-    }
+    let free = untouched_in_passes(&trial.scans.before, &trial.passes[..=pass], &trial.tool, CLEARANCE);
     let laid = register(&measured, simulated, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
     let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
     Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())

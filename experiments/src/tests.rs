@@ -43,7 +43,7 @@ fn trial(passes: usize) -> Trial {
         process: Process::Grinding,
         tool: HeldTool::wheel(50e-3, 20e-3, DVec3::Y),
         fresh: true,
-        scans: Scans { before: map.clone(), repeats: vec![map], material: None },
+        scans: Scans { before: map.clone(), is_nominal: false, repeats: vec![map], material: None },
         controller: Controller::Replay,
         force_input: ForceInput::Setpoint,
         frame_errors: FrameErrors::default(),

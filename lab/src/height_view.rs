@@ -197,6 +197,13 @@ impl HeightView {
         self.left_at(simulated, &pose)
     }
 
+    /// Measured heights without the height and tilt of the scan, which the untouched surface shows [m].
+    pub fn levelled(&self) -> Vec<f64> {
+        let mut pose = DVector::zeros(HELD);
+        pose.copy_from(&self.whitener.expected().mean.rows(0, HELD));
+        self.left_at(&vec![0.0; self.measured.heights.len()], &pose)
+    }
+
     fn left_at(&self, simulated: &[f64], pose: &DVector<f64>) -> Vec<f64> {
         let frame = Frame::of(self.measured.pixels);
         let lift = |at: usize| {

@@ -104,7 +104,8 @@ impl<'a> Surface<'a> {
             };
             Ok(ScanView { trial: number, pass, split, data: data.ok_or_else(none)? })
         };
-        self.passes.iter().enumerate().map(view).collect()
+        let is_scanned = |(pass, _): &(usize, &Touched)| !self.trial.passes[*pass].scan.is_missing();
+        self.passes.iter().enumerate().filter(is_scanned).map(view).collect()
     }
 
     fn data(

@@ -117,8 +117,8 @@ impl Seen<'_> {
 
     fn sections_of(&self, view: &ScanView) -> Option<Vec<ScanSection>> {
         let ground = Ground::new(view, self.base)?;
-        let found = self.found.and_then(|found| found.heights(view));
-        let (pixels, levelled) = (ground.seen.pixels, ground.levelled());
+        let found = self.found.and_then(|found| Some(Ground::new(view, found)?.heights().1));
+        let (pixels, (measured, base)) = (ground.seen.pixels, ground.heights());
         let section = |&direction: &Direction| {
             let line = line_of(pixels, direction);
             let start = if matches!(direction, Direction::Across(_)) { pixels.origin.y } else { pixels.origin.x };
@@ -127,9 +127,9 @@ impl Seen<'_> {
                 pass: name(self.evidence, view),
                 direction,
                 position: (0..line.len()).map(|k| start + pixels.pitch * k as f64).collect(),
-                measured: of(&levelled),
-                base: of(&ground.seen.heights),
-                with_effect: found.as_ref().map(|found| of(&found.heights)),
+                measured: of(&measured),
+                base: of(&base),
+                with_effect: found.as_deref().map(of),
                 noise_floor: self.evidence.noise[view.trial].floor.rms,
             }
         };

@@ -168,11 +168,11 @@ pub struct ScanSection {
     pub direction: Direction,
     /// Position along the section [m].
     pub position: Vec<f64>,
-    /// Measured heights [m], NaN where missing.
+    /// Measured heights, levelled on the untouched surface [m], NaN where missing.
     pub measured: Vec<f64>,
-    /// Heights of the base model [m].
+    /// Heights of the base model, shifted sideways to where they fit best [m].
     pub base: Vec<f64>,
-    /// Heights with the effects found [m].
+    /// Heights with the effects found, likewise [m].
     pub with_effect: Option<Vec<f64>>,
     /// Scan noise [m]: root mean square of one pixel's error.
     pub noise_floor: f64,

@@ -75,9 +75,12 @@ impl<'a> Ground<'a> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Measured heights without the scan's pose [m].
-    pub fn levelled(&self) -> Vec<f64> {
-        self.left.iter().zip(&self.seen.heights).map(|(left, seen)| left + seen).collect()
+    /// Measured heights, levelled on the untouched surface, and the simulated ones shifted to where they fit best [m].
+    /// Their difference is [`Ground::left`].
+    pub fn heights(&self) -> (Vec<f64>, Vec<f64>) {
+        let measured = self.data.levelled();
+        let shifted = measured.iter().zip(&self.left).map(|(measured, left)| measured - left).collect();
+        (measured, shifted)
     }
 
     /// Depth that the simulation removed since `before` [m].

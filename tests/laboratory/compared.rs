@@ -60,13 +60,19 @@ fn a_model_that_was_never_fitted_differs_and_is_said_where() {
 }
 
 #[test]
-fn measured_volumes_do_not_depend_on_the_model() {
-    let volumes = |rate: &str| -> Vec<[f64; 3]> {
+fn measured_volumes_and_sections_do_not_depend_on_the_model() {
+    let compared = |rate: &str| {
         let text = format!("process = \"grinding\"\n[law.preston-threshold]\ngrind_rate = \"{rate}\"\n");
-        let (comparison, _) = compared(&Model::parse("rate", &text, Library::builtin()).unwrap());
-        comparison.scans.iter().map(|scan| scan.volume_mm3.expect("a ground surface")).collect()
+        let (comparison, report) = compared(&Model::parse("rate", &text, Library::builtin()).unwrap());
+        let volumes = comparison.scans.iter().map(|scan| scan.volume_mm3.expect("a ground surface"));
+        (volumes.collect::<Vec<[f64; 3]>>(), report.sections)
     };
-    for (low, high) in volumes("0.6 mm/(MPa s)").into_iter().zip(volumes("1.3 mm/(MPa s)")) {
+    let [(low, weak), (high, strong)] = ["0.6 mm/(MPa s)", "1.3 mm/(MPa s)"].map(compared);
+    for (weak, strong) in weak.iter().zip(&strong) {
+        assert_eq!(format!("{:?}", weak.measured), format!("{:?}", strong.measured), "{}", weak.pass);
+        assert_ne!(format!("{:?}", weak.base), format!("{:?}", strong.base), "{}", weak.pass);
+    }
+    for (low, high) in low.into_iter().zip(high) {
         let ([measured, sigma, simulated], [again, _, more]) = (low, high);
         println!("measured {measured:.2} and {again:.2} ± {sigma:.2} mm³, simulated {simulated:.2} and {more:.2} mm³");
         assert!((measured - again).abs() < 2.0 * sigma && more > 1.2 * simulated, "{low:?}, {high:?}");

@@ -63,7 +63,7 @@ pub(crate) fn trial() -> (TempDir, PathBuf) {
         process: Process::Grinding,
         tool: HeldTool::wheel(RADIUS, 0.02, DVec3::Y),
         fresh: true,
-        scans: Scans { before: scan.clone(), repeats: Vec::new(), material: None },
+        scans: Scans { before: scan.clone(), is_nominal: false, repeats: Vec::new(), material: None },
         controller: Controller::Admittance { mass: 2.0, damping: 1500.0, period: 5e-4 },
         force_input: ForceInput::Setpoint,
         frame_errors: FrameErrors::default(),

@@ -75,6 +75,7 @@ pub(crate) fn grinding() -> Trial {
         tool: HeldTool::wheel(RADIUS, 0.02, DVec3::Y),
         fresh: true,
         scans: Scans {
+            is_nominal: false,
             before: scan(0.0),
             repeats: vec![scan(1e-6)],
             material: Some(LabelMap { pixels: pixels(), labels }),

@@ -10,6 +10,7 @@ mod hostile;
 mod instrument;
 mod keyence;
 mod meshes;
+mod nominal;
 mod plausible;
 mod poses;
 mod repeated;

@@ -172,6 +172,7 @@ impl PassPlan {
 pub fn without_scans(mut trial: Trial) -> Trial {
     let scans = &mut trial.scans;
     scans.before.heights.clear();
+    scans.is_nominal = false;
     scans.repeats.truncate(1);
     scans.repeats.iter_mut().for_each(|repeat| repeat.heights.clear());
     scans.material.iter_mut().for_each(|material| material.labels.clear());

@@ -263,6 +263,7 @@ impl<'a> TrialBuild<'a> {
         let labels = || (0..self.pixels.len()).map(|k| self.piece.label(place(k))).collect();
         let grinds = self.experiment.process.signal() == Signal::Height;
         Ok(Scans {
+            is_nominal: false,
             before: scan("before")?,
             repeats: (0..self.experiment.repeats).map(|k| scan(&repeat(k))).collect::<Result<_, _>>()?,
             material: grinds.then(|| LabelMap { pixels: self.pixels, labels: labels() }),

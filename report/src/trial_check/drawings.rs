@@ -1,10 +1,12 @@
 //! Drawings of a checked trial: maps with paths, a section with the tool, and the logs.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
 use image::Rgb;
 use robot::Tool;
 use sdf_bake::HeightMap;
-use trials::measure::{CLEARANCE, DegreesOfFreedom, register, untouched};
+use trials::measure::{CLEARANCE, DegreesOfFreedom, register, untouched_in_passes};
 use trials::trial::{ExposureMask, HeldTool, ToolPath, ToolPose, Trial};
 
 use super::TrialCheck;
@@ -35,15 +37,17 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
     );
     let before = &trial.scans.before;
     page.drawing(&heights(before, lines(trial, 0..trial.passes.len())), "Heights before the first pass.");
-    let mut earlier = before;
-    for (k, pass) in trial.passes.iter().enumerate() {
+    let (mut earlier, mut since) = (before, 0);
+    for (k, pass) in trial.passes.iter().enumerate().filter(|(_, pass)| !pass.scan.is_missing()) {
         if let Some(mask) = pass.scan.mask() {
             page.drawing(&exposed(mask), &format!("Exposed after pass {}: orange.", k + 1));
         }
         let Some(after) = pass.scan.heights() else { continue };
-        let left = change(trial, k, earlier, after);
+        let worked = since..k + 1;
+        let left = change(trial, worked.clone(), earlier, after);
         let scale = ColourScale::new(check.noise.floor.sigma, left.iter().copied());
-        let title = format!("pass {}: height after minus height before, by place", k + 1);
+        let passes = if since < k { format!("Passes {} to {}", since + 1, k + 1) } else { format!("Pass {}", k + 1) };
+        let title = format!("{passes}: height after minus height before, by place");
         let image = MapImage {
             pixels: after.pixels,
             colours: left.iter().map(|&change| scale.colour(change)).collect(),
@@ -51,20 +55,19 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
             label: "change",
             title: &title,
             width: MAP,
-            lines: lines(trial, k..k + 1),
+            lines: lines(trial, worked),
         };
         page.drawing(
             &image.to_svg(),
-            &format!("Pass {}: blue was removed, orange rose; pale within {:.1} µm.", k + 1, scale.band * 1e6),
+            &format!("{passes}: blue was removed, orange rose; pale within {:.1} µm.", scale.band * 1e6),
         );
-        earlier = after;
+        (earlier, since) = (after, k + 1);
     }
 }
 
-/// Returns the height after a pass minus the height before it [m], registered on the untouched surface.
-fn change(trial: &Trial, pass: usize, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
-    let path = path_of(trial, pass);
-    let free = untouched(before, &path, &trial.tool, CLEARANCE);
+/// Returns the height after some passes minus the height before them [m], registered on the untouched surface.
+fn change(trial: &Trial, passes: Range<usize>, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
+    let free = untouched_in_passes(before, &trial.passes[passes], &trial.tool, CLEARANCE);
     let registration = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at])
         .or_else(|_| register(after, before, DegreesOfFreedom::Plane, |_| true))
         .unwrap_or_default();
@@ -76,7 +79,7 @@ fn path_of(trial: &Trial, pass: usize) -> ToolPath {
 }
 
 /// Returns the paths of some passes; pressed parts are drawn over those in the air.
-fn lines(trial: &Trial, passes: std::ops::Range<usize>) -> Vec<Line> {
+fn lines(trial: &Trial, passes: Range<usize>) -> Vec<Line> {
     let of = |pass: usize| {
         let path = path_of(trial, pass);
         let points = |kept: &dyn Fn(&ToolPose) -> bool| -> Vec<DVec2> {
@@ -177,7 +180,8 @@ fn section(trial: &Trial, pass: usize, (pose, across): (&ToolPose, DVec2)) -> Ve
     };
     let named = |name: &str, stroke, points| Series { stroke: Some(stroke), ..Series::new(name, points) };
     let mut series = vec![named("before the first pass", BEFORE, line(before))];
-    if let Some(after) = trial.passes[pass].scan.heights() {
+    let scan = &trial.passes[pass].scan;
+    if let Some(after) = scan.heights().filter(|_| !scan.is_missing()) {
         series.push(named("after this pass", AFTER, line(after)));
     }
     series.push(named("tool by its log", TOOL, outline(&trial.tool, pose, across)));

@@ -4,7 +4,7 @@ mod drawings;
 
 use serde::Serialize;
 use trials::measure::{NoiseSource, ScanNoise};
-use trials::trial::{Checked, Finding, ForceInput, Pass, RPM, Role, Severity, ToolPath, Trial};
+use trials::trial::{Checked, Finding, ForceInput, Pass, PassScan, RPM, Role, Severity, ToolPath, Trial};
 
 use crate::Page;
 use robot::Controller;
@@ -196,7 +196,11 @@ fn pass_row(trial: &Trial, number: usize, pass: &Pass) -> Vec<String> {
         Role::Calibration => "calibration",
         Role::Evaluation => "evaluation",
     };
-    let kind = if pass.scan.heights().is_some() { "" } else { ", mask" };
+    let kind = match &pass.scan {
+        scan if scan.is_missing() => ", no scan",
+        PassScan::Heights(_) => "",
+        PassScan::Exposure(_) => ", mask",
+    };
     vec![
         format!("{}{kind}", number + 1),
         role.to_owned(),

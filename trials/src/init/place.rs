@@ -52,7 +52,7 @@ impl Placing {
     pub(super) fn of(found: &Found, scans: &Scans) -> Self {
         let passes: Vec<PassGuess> =
             found.logs().filter_map(|(_, channels, guesses)| PassGuess::of(channels, guesses)).collect();
-        let before = found.maps().find(|(name, _)| *name == scans.before).map(|(_, surface)| surface);
+        let before = found.maps().find(|(name, _)| *name == scans.reference()).map(|(_, surface)| surface);
         let mut placing = Self { passes, origin: None, slides_along: false, gap: None, width: None };
         let (Some(before), Some(pass)) = (before, placing.passes.last()) else { return placing };
         let Some(pitch) = before.pitch else { return placing };
@@ -61,7 +61,10 @@ impl Placing {
         let own = before.origin.unwrap_or(origin);
         // The height of the surface there is known only in the scan's own frame.
         let lies_on = if own.distance(origin) < width { own } else { origin };
-        let gap = gap(pass, &after_last(before, scans), lies_on, pitch);
+        let gap = match scans.before {
+            Some(_) => gap(pass, &after_last(before, scans), lies_on, pitch),
+            None => gap(pass, before, lies_on, pitch),
+        };
         (placing.origin, placing.slides_along) = (Some(origin), slides_along);
         (placing.gap, placing.width) = (gap, Some(width));
         placing

@@ -26,7 +26,8 @@ const ONE_WAY: f64 = 4.0;
 pub(super) struct Scans<'a> {
     /// Process: grinding, or sanding if masks were taken after the passes.
     pub(super) process: Process,
-    pub(super) before: &'a str,
+    /// The scan before the first pass; `None` if the only map was made after a pass.
+    pub(super) before: Option<&'a str>,
     pub(super) repeats: Vec<&'a str>,
     /// Labels of the material.
     pub(super) material: Option<&'a str>,
@@ -34,7 +35,8 @@ pub(super) struct Scans<'a> {
     pub(super) after: Vec<&'a str>,
     /// Reason for the order.
     pub(super) reason: &'static str,
-    /// Positions of removal between the scan before and the last one [pixels of the map], with the depth [m].
+    /// Positions of removal between the surface before and the last one [pixels of the map], with the depth [m]; without
+    /// a scan before, that surface is a plane.
     pub(super) removed: Vec<(DVec2, f64)>,
 }
 
@@ -61,6 +63,9 @@ impl<'a> Scans<'a> {
     /// Sorts the maps of a folder.
     pub(super) fn of(found: &'a Found) -> Self {
         let maps = Maps::of(found);
+        if let ([(name, only)], None) = (&maps.maps[..], found.masks().next()) {
+            return Self::after_all(name, only);
+        }
         let is_label = |name: &&str| LABELS.iter().any(|word| name.to_lowercase().contains(word));
         let (labels, masks): (Vec<&str>, Vec<&str>) = found.masks().map(|(name, _)| name).partition(is_label);
         let sorted = maps.sorted();
@@ -71,7 +76,7 @@ impl<'a> Scans<'a> {
         let map = |k: usize| &maps.maps[k].1;
         let names = |of: Vec<usize>| of.into_iter().map(|k| maps.maps[k].0).collect::<Vec<_>>();
         Self {
-            before: maps.maps[first].0,
+            before: Some(maps.maps[first].0),
             removed: after.last().map_or_else(Vec::new, |&last| removal(map(first), map(last))),
             repeats: names(repeats),
             material: labels.first().or(masks.first().filter(|_| !sands)).copied(),
@@ -79,6 +84,25 @@ impl<'a> Scans<'a> {
             after: if sands { masks } else { names(after) },
             reason: if maps.are_told() { "by what was removed from map to map" } else { "by the names of the files" },
         }
+    }
+
+    /// The only map of a folder, made after the passes.
+    fn after_all(name: &'a str, map: &HeightMap) -> Self {
+        let plane = HeightMap { heights: vec![0.0; map.heights.len()], ..map.clone() };
+        Self {
+            process: Process::Grinding,
+            before: None,
+            repeats: Vec::new(),
+            material: None,
+            after: vec![name],
+            reason: "because there is only one",
+            removed: removal(&plane, map),
+        }
+    }
+
+    /// Name of the map whose pixels are those of the trial: the scan before, or else the first after a pass.
+    pub(super) fn reference(&self) -> &'a str {
+        self.before.unwrap_or(self.after[0])
     }
 }
 

@@ -10,7 +10,7 @@ use instruments::log::guess::Role;
 use super::files::Found;
 use super::place::{PassGuess, Placing};
 use super::scans::Scans;
-use crate::trial::{RPM, TRIAL_FORMAT};
+use crate::trial::{PLANE, RPM, TRIAL_FORMAT};
 
 /// Heights of the log above the surface that count as a wheel's radius [m].
 const RADII: [f64; 2] = [5e-3, 0.5];
@@ -86,8 +86,9 @@ impl Writer<'_> {
     }
 
     fn scan(&mut self) -> String {
-        let Scans { before, repeats, reason, .. } = self.scans;
-        let surface = self.found.maps().find(|(name, _)| name == before).map(|(_, surface)| surface);
+        let Scans { reason, .. } = self.scans;
+        let reference = self.scans.reference();
+        let surface = self.found.maps().find(|(name, _)| *name == reference).map(|(_, surface)| surface);
         let mut text = format!("[scan]   # the order of scans is guessed {reason}\n");
         match surface.and_then(|surface| surface.pitch) {
             Some(pitch) => {
@@ -99,19 +100,35 @@ impl Writer<'_> {
             }
         }
         text.push_str(&self.origin(surface.and_then(|surface| surface.origin)));
-        let _ = writeln!(text, "before = {}", quoted(before));
+        text.push_str(&self.first_surface());
         if let Some(material) = self.scans.material {
             let _ =
                 writeln!(text, "material = {}   # guessed: labels of 0 and 1, base and weld metal", quoted(material));
         }
-        if repeats.is_empty() {
-            text.push_str("# repeat = [\"FILE\"]   # a second scan of the same surface: without one, the noise is taken from where\n");
-            text.push_str("#                        # no tool came, a lower bound\n");
-        } else {
-            let names: Vec<String> = repeats.iter().map(|name| quoted(name)).collect();
-            let _ = writeln!(text, "repeat = [{}]   # shows the same surface as the scan before", names.join(", "));
-        }
         text
+    }
+
+    /// The surface before the first pass and its repeated scans.
+    fn first_surface(&self) -> String {
+        let Some(before) = self.scans.before else {
+            let (nominal, why) = match self.found.meshes().next() {
+                Some(mesh) => (mesh, "the surface as drawn, in the frame of the scan"),
+                None => (PLANE, "or \"FILE\" with the surface as drawn"),
+            };
+            return format!(
+                "nominal = {}   # guessed: no scan was made before the first pass; {why}\n\
+                 # before = \"FILE\"   # a scan before the first pass, instead of nominal\n",
+                quoted(nominal)
+            );
+        };
+        let names: Vec<String> = self.scans.repeats.iter().map(|name| quoted(name)).collect();
+        let repeats = match names.len() {
+            0 => "# repeat = [\"FILE\"]   # a second scan of the same surface: without one, the noise is taken from where\n\
+                  #                        # no tool came, a lower bound\n"
+                .to_owned(),
+            _ => format!("repeat = [{}]   # shows the same surface as the scan before\n", names.join(", ")),
+        };
+        format!("before = {}\n{repeats}", quoted(before))
     }
 
     fn origin(&mut self, own: Option<DVec2>) -> String {
@@ -153,7 +170,7 @@ impl Writer<'_> {
 
     /// Position of the log's origin, if log and scan have different frames.
     fn offset(&self) -> String {
-        let before = self.found.maps().find(|(name, _)| *name == self.scans.before);
+        let before = self.found.maps().find(|(name, _)| *name == self.scans.reference());
         let own = before.and_then(|(_, surface)| surface.origin);
         match own.zip(self.placing.origin).map(|(own, guess)| own - guess) {
             Some(offset) if offset.length() > SAME_FRAME => format!(
@@ -175,19 +192,28 @@ impl Writer<'_> {
     fn passes(&mut self) -> String {
         let logs: Vec<&str> = self.found.logs().map(|(name, ..)| name).collect();
         let after = &self.scans.after;
+        let unscanned = if after.is_empty() { 0 } else { logs.len().saturating_sub(after.len()) };
         let mut text = String::new();
-        if logs.len() != after.len() {
+        if logs.len() < after.len() || after.is_empty() {
             let _ = writeln!(
                 text,
-                "# {} logs and {} scans after passes: each pass needs one of both",
+                "# {} logs and {} scans after passes: each pass needs a log, and the last one a scan",
                 logs.len(),
                 after.len()
             );
             self.open.push(format!("{} logs for {} scans after passes", logs.len(), after.len()));
         }
+        let name = |names: &[&str], k: usize| names.get(k).map_or("\"\"   # FILL IN".to_owned(), |name| quoted(name));
         for k in 0..logs.len().max(after.len()) {
-            let name = |names: &[&str]| names.get(k).map_or("\"\"   # FILL IN".to_owned(), |name| quoted(name));
-            let _ = write!(text, "[[pass]]\nlog = {}\nscan = {}\n", name(&logs), name(after));
+            let log = name(&logs, k);
+            let scan = match k.checked_sub(unscanned).map(|k| name(after, k)) {
+                Some(name) if unscanned > 0 => format!("scan = {name}   # guessed: made after the last passes"),
+                Some(name) => format!("scan = {name}"),
+                None => {
+                    "# scan = \"FILE\"   # none: the pass is simulated, and compared after the next scan".to_owned()
+                }
+            };
+            let _ = write!(text, "[[pass]]\nlog = {log}\n{scan}\n");
             text.push_str("role = \"calibration\"   # or \"evaluation\": kept apart to judge the model\n");
             if let Some(pass) = self.placing.passes.get(k) {
                 text.push_str(&settings(pass));

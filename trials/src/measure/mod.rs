@@ -26,7 +26,7 @@ pub(crate) use register::has_slope;
 pub use register::{DegreesOfFreedom, Registration, RegistrationError, register};
 pub use robust::{MAD_TO_SIGMA, centre_and_sigma, median};
 pub use scan_noise::{NoiseSource, ScanNoise, ScanNoiseError, roughness};
-pub use untouched::{CLEARANCE, untouched};
+pub use untouched::{CLEARANCE, untouched, untouched_in_passes};
 
 /// Residual between two maps over a mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -30,6 +30,15 @@ pub struct NoiseFloor {
     pub registration: Registration,
 }
 
+impl NoiseFloor {
+    /// The same with all heights multiplied.
+    pub(super) fn times(self, factor: f64) -> Self {
+        let [sigma, rms, white, correlated] =
+            [self.sigma, self.rms, self.white, self.correlated].map(|height| factor * height);
+        Self { sigma, rms, white, correlated, ..self }
+    }
+}
+
 /// Compares two scans of one surface after registration with a lateral shift. Pixels at the border and beside missing
 /// ones are excluded: a shift changes them by a slope that is poorly known.
 ///

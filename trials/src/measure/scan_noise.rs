@@ -5,8 +5,8 @@ use sdf_bake::{HeightMap, PixelGrid};
 use serde::Serialize;
 
 use super::noise::{NoiseFloor, noise_floor, noise_floor_where};
-use super::{CLEARANCE, RegistrationError, centre_and_sigma, despiked, untouched};
-use crate::trial::{ToolPath, Trial};
+use super::{CLEARANCE, RegistrationError, centre_and_sigma, despiked, untouched_in_passes};
+use crate::trial::Trial;
 
 /// Minimum number of untouched pixels for a robust spread within a tenth. Of 2,000 pixels in patches of 4 x 4 that
 /// share noise, 125 are independent; the relative error of their spread is 1.17 / √(2 · 125) (Rousseeuw and Croux
@@ -24,18 +24,20 @@ pub enum NoiseSource {
     Repeat,
     /// The repeated scan of another trial.
     OtherTrial(String),
-    /// Pixels that no tool touched between the scan before and that after the first pass.
+    /// Pixels that no tool touched between the scan before and the first one after a pass.
     Untouched,
+    /// Pixels that no tool touched, between the nominal surface and the first scan after a pass.
+    Nominal,
     /// The roughness of the scan before alone.
     OneScan,
 }
 
-/// Difference of two scans of one surface, or its substitute.
+/// Difference of two scans of one surface, or of a scan and the nominal surface, or its substitute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanNoise {
     /// Source of the difference.
     pub source: NoiseSource,
-    /// Difference of the scans after registration [m], on the trial's pixels; NaN where it is unknown.
+    /// Difference after registration [m], on the trial's pixels; NaN where it is unknown.
     pub left: HeightMap,
     /// The noise statistics.
     pub floor: NoiseFloor,
@@ -43,17 +45,23 @@ pub struct ScanNoise {
 
 /// Error of a trial whose noise cannot be estimated.
 #[derive(Debug, thiserror::Error)]
-#[error("{trial}: {what}: {error}")]
+#[error("{trial}: {what}: {why}")]
 pub struct ScanNoiseError {
     trial: String,
     what: &'static str,
-    error: RegistrationError,
+    why: String,
+}
+
+impl ScanNoiseError {
+    fn new(trial: &Trial, what: &'static str, why: impl ToString) -> Self {
+        Self { trial: trial.name.clone(), what, why: why.to_string() }
+    }
 }
 
 impl NoiseSource {
     /// True if the noise may be underestimated: grinding marks lie where the tool was.
     pub fn is_lower_bound(&self) -> bool {
-        *self == Self::Untouched
+        matches!(self, Self::Untouched | Self::Nominal)
     }
 
     /// Description for messages, after the name of the trial; `None` for a repeated scan.
@@ -66,6 +74,10 @@ impl NoiseSource {
                                 that after the first pass, a lower bound"
                     .to_owned()
             }
+            Self::Nominal => "no scan before the first pass: the noise is taken from where no tool came, between the \
+                              nominal surface and the first scan; it holds the texture of the surface and its \
+                              deviation from the drawing, but no grinding marks, and is a lower bound"
+                .to_owned(),
             Self::OneScan => "no repeated scan: its noise is taken from the roughness of the scan before alone, which holds \
                               the texture of the surface and lacks what neighbouring pixels share; p-values and intervals \
                               are not valid"
@@ -88,9 +100,13 @@ impl ScanNoise {
             let alike = |(_, noise): &&(&Trial, &Self)| (noise.left.pixels.pitch / pitch - 1.0).abs() < SAME_PITCH;
             known.iter().find(alike).map(|(donor, noise)| noise.lent_to(trial, &donor.name))
         };
-        let one = |(trial, own): (&Trial, &Option<Self>)| match own.clone().or_else(|| others(trial)) {
+        let scanned = |(trial, own): (&Trial, &Option<Self>)| match own.clone().or_else(|| others(trial)) {
             Some(noise) => Ok(noise),
             None => Self::untouched(trial).map_or_else(|| Self::one_scan(trial), Ok),
+        };
+        let one = |(trial, own): (&Trial, &Option<Self>)| match Self::nominal(trial) {
+            Some(noise) => noise,
+            None => scanned((trial, own)),
         };
         trials.par_iter().zip(&own).map(one).collect()
     }
@@ -104,9 +120,8 @@ impl ScanNoise {
     fn repeated(trial: &Trial) -> Result<Option<Self>, ScanNoiseError> {
         let Some(repeat) = trial.scans.repeats.first() else { return Ok(None) };
         let (before, repeat) = (trial.scans.clean_before(), despiked(repeat).0);
-        let what = "the repeated scan";
-        let floor = noise_floor(&before, &repeat);
-        let floor = floor.map_err(|error| ScanNoiseError { trial: trial.name.clone(), what, error })?;
+        let bad = |error: RegistrationError| ScanNoiseError::new(trial, "the repeated scan", error);
+        let floor = noise_floor(&before, &repeat).map_err(bad)?;
         let left = HeightMap { heights: floor.registration.left(&repeat, &before), ..before };
         // A spike on a steep rim shows only in the difference.
         Ok(Some(Self { source: NoiseSource::Repeat, left: despiked(&left).0, floor }))
@@ -121,14 +136,24 @@ impl ScanNoise {
         Self { source: NoiseSource::OtherTrial(name.to_owned()), left, floor: self.floor.clone() }
     }
 
-    /// From pixels that no tool touched between the scan before and that after the first pass; `None` if they are too
+    /// From pixels that no tool touched, between a nominal surface and the first scan of heights; `None` if the surface
+    /// was scanned, or if there are no heights.
+    fn nominal(trial: &Trial) -> Option<Result<Self, ScanNoiseError>> {
+        let (_, scan) = trial.first_scanned().filter(|_| trial.scans.is_nominal)?;
+        scan.heights()?;
+        let few = format!("fewer than the {LEAST_UNTOUCHED} pixels that are needed");
+        let what = "the first scan and the nominal surface, where no tool came";
+        let found = Self::untouched(trial).ok_or_else(|| ScanNoiseError::new(trial, what, few));
+        // The surface of the drawing has no noise: the whole difference is that of one scan.
+        Some(found.map(|noise| Self { source: NoiseSource::Nominal, floor: noise.floor.times(2f64.sqrt()), ..noise }))
+    }
+
+    /// From pixels that no tool touched between the scan before and the first one after a pass; `None` if they are too
     /// few.
     fn untouched(trial: &Trial) -> Option<Self> {
-        let pass = trial.passes.first()?;
-        let after = pass.scan.heights()?;
-        let (before, after) = (trial.scans.clean_before(), despiked(after).0);
-        let path = ToolPath::of(&pass.log, &trial.tool, pass.force_setpoint);
-        let free = untouched(&before, &path, &trial.tool, CLEARANCE);
+        let (passes, scan) = trial.first_scanned()?;
+        let (before, after) = (trial.scans.clean_before(), despiked(scan.heights()?).0);
+        let free = untouched_in_passes(&before, passes, &trial.tool, CLEARANCE);
         let floor = noise_floor_where(&before, &after, |at| free[at]).ok()?;
         let mut left = HeightMap { heights: floor.registration.left(&after, &before), ..before };
         left.heights.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(left, _)| *left = f64::NAN);
@@ -144,9 +169,9 @@ impl ScanNoise {
         let before = trial.scans.clean_before();
         let crosses = cross_differences(&before);
         let known: Vec<f64> = crosses.iter().copied().filter(|cross| cross.is_finite()).collect();
-        let bad = |error| ScanNoiseError { trial: trial.name.clone(), what: "the scan before", error };
+        let few = || RegistrationError::TooFewPixels { found: known.len() };
         let (_, spread) =
-            centre_and_sigma(&known).ok_or_else(|| bad(RegistrationError::TooFewPixels { found: known.len() }))?;
+            centre_and_sigma(&known).ok_or_else(|| ScanNoiseError::new(trial, "the scan before", few()))?;
         let sigma = 0.5 * spread;
         let floor = NoiseFloor {
             sigma,

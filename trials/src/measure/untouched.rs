@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
-use crate::trial::{HeldTool, ToolPath, ToolPose};
+use crate::trial::{HeldTool, Pass, ToolPath, ToolPose};
 use robot::{Tool, Wheel};
 
 /// Distance to the tool that counts as touched [m]: covers errors of pose and scan, and grinding dust.
@@ -30,6 +30,17 @@ pub fn untouched(surface: &HeightMap, path: &ToolPath, tool: &HeldTool, clearanc
         point.is_finite() && groups.iter().all(|group| group.is_clear(tool, point, (pixels.pitch, clearance)))
     };
     (0..pixels.len()).into_par_iter().map(is_free).collect()
+}
+
+/// For each pixel, true if no point of the tool came closer than `clearance` [m] in any of some passes; see
+/// [`untouched`].
+pub fn untouched_in_passes(surface: &HeightMap, passes: &[Pass], tool: &HeldTool, clearance: f64) -> Vec<bool> {
+    let mut free = vec![true; surface.heights.len()];
+    for pass in passes {
+        let alone = untouched(surface, &pass.tool_path(tool), tool, clearance);
+        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
+    }
+    free
 }
 
 /// Successive poses.

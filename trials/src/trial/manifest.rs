@@ -26,7 +26,7 @@ const COLUMNS: &str = "columns";
 const KEYS: [(&str, &[&str]); 8] = [
     ("", &["format", "name", "process", "tool", "scan", "log", "robot", "controller", "coating", "columns", "pass"]),
     ("tool", &["kind", "radius_mm", "width_mm", "axis", "fresh"]),
-    ("scan", &["pitch_mm", "origin_mm", "mirror", "before", "repeat", "material"]),
+    ("scan", &["pitch_mm", "origin_mm", "mirror", "before", "nominal", "repeat", "material"]),
     ("log", &["columns", "offset_mm", "yaw_deg"]),
     ("robot", &["frame_sigma_mm", "yaw_sigma_mrad", "clock_sigma_s"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
@@ -185,7 +185,12 @@ pub(super) struct ScanTable {
     pub(super) origin_mm: Option<Spanned<[f64; 2]>>,
     #[serde(default, skip_serializing_if = "is_not_mirrored")]
     pub(super) mirror: Mirror,
-    pub(super) before: Spanned<PathBuf>,
+    /// Scan before the first pass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) before: Option<Spanned<PathBuf>>,
+    /// Instead of a scan before the first pass: the surface as drawn, a file or the word `plane`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) nominal: Option<Spanned<PathBuf>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) repeat: Vec<Spanned<PathBuf>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -211,7 +216,9 @@ pub(super) struct CoatingTable {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct PassTable {
     pub(super) log: Spanned<PathBuf>,
-    pub(super) scan: Spanned<PathBuf>,
+    /// Scan after the pass; absent if there was none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) scan: Option<Spanned<PathBuf>>,
     #[serde(default)]
     pub(super) role: Role,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -17,6 +17,7 @@ mod plan;
 mod plausible;
 mod poses;
 mod read;
+mod read_scans;
 mod resample;
 mod scan;
 mod write;
@@ -42,6 +43,7 @@ pub use pass_scan::PassScan;
 pub use plan::{PLAN_NAMES, write_plan};
 pub use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
+pub(crate) use read_scans::PLANE;
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
@@ -76,6 +78,8 @@ impl HeldTool {
 pub struct Scans {
     /// Surface before the first pass.
     pub before: HeightMap,
+    /// True if that surface was not scanned: it is the one of the drawing, without noise.
+    pub is_nominal: bool,
     /// Repeated scans of the same surface.
     pub repeats: Vec<HeightMap>,
     /// Material of each pixel.
@@ -99,7 +103,7 @@ impl Scans {
 pub struct Pass {
     /// Readings of robot, sensor and drive.
     pub log: Log,
-    /// Scan after the pass.
+    /// Scan after the pass; [missing](PassScan::is_missing) if there was none.
     pub scan: PassScan,
     /// Split: calibration or evaluation.
     pub role: Role,
@@ -156,4 +160,12 @@ pub struct Trial {
     pub notes: Vec<String>,
     /// The notes that come from consistency checks, machine-readable.
     pub findings: Vec<Finding>,
+}
+
+impl Trial {
+    /// The first scan after a pass, and all passes up to it; `None` if none was scanned.
+    pub fn first_scanned(&self) -> Option<(&[Pass], &PassScan)> {
+        let first = self.passes.iter().position(|pass| !pass.scan.is_missing())?;
+        Some((&self.passes[..=first], &self.passes[first].scan))
+    }
 }

@@ -1,5 +1,6 @@
 //! Scan after a pass: heights of a ground surface, or a mask of exposed substrate.
 
+use effects::Signal;
 use sdf_bake::{HeightMap, PixelGrid};
 
 use super::ExposureMask;
@@ -15,6 +16,22 @@ pub enum PassScan {
 }
 
 impl PassScan {
+    /// The scan of a pass that was not scanned: all its pixels are missing.
+    pub fn missing(signal: Signal, pixels: PixelGrid) -> Self {
+        match signal {
+            Signal::Height => Self::Heights(HeightMap { pixels, heights: vec![f64::NAN; pixels.len()] }),
+            Signal::Dose => Self::Exposure(ExposureMask { pixels, exposed: vec![None; pixels.len()] }),
+        }
+    }
+
+    /// True if none of its pixels has a value. A scan that a plan asks for has no pixels yet, and is not missing.
+    pub fn is_missing(&self) -> bool {
+        match self {
+            Self::Heights(map) => !map.heights.is_empty() && map.heights.iter().all(|height| height.is_nan()),
+            Self::Exposure(mask) => !mask.exposed.is_empty() && mask.exposed.iter().all(Option::is_none),
+        }
+    }
+
     /// The heights, if it is a scan of them.
     pub fn heights(&self) -> Option<&HeightMap> {
         match self {

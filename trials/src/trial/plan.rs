@@ -82,7 +82,7 @@ mod tests {
             process: Process::Grinding,
             tool: HeldTool::wheel(50e-3, 20e-3, DVec3::Y),
             fresh: false,
-            scans: Scans { before: scan(1, 0.0), repeats: vec![scan(2, 0.0)], material: None },
+            scans: Scans { before: scan(1, 0.0), is_nominal: false, repeats: vec![scan(2, 0.0)], material: None },
             controller: Controller::Ideal,
             force_input: ForceInput::Setpoint,
             frame_errors: FrameErrors::default(),

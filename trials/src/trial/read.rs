@@ -14,9 +14,9 @@ use super::log_columns::LogColumns;
 use super::manifest::{
     ControllerKind, ControllerTable, Manifest, PassTable, RobotTable, Source, TRIAL_FILE, ToolKind, ToolTable,
 };
-use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Checked, ForceInput, FrameErrors, FrameOffset, HeldTool, Pass, PassScan, Scans, Trial, plausible};
-use effects::{Process, Signal};
+use super::scan::{Read, ScanFrame};
+use super::{Checked, ForceInput, FrameErrors, FrameOffset, HeldTool, Pass, Trial, plausible};
+use effects::Process;
 use robot::Controller;
 
 impl Trial {
@@ -53,17 +53,13 @@ const COATING_MM: [f64; 2] = [1e-4, 10.0];
 const PERIOD_S: [f64; 2] = [1e-5, 1.0];
 /// Maximum standard deviations of a robot's frame [mm, mrad] and clock [s]; 0 is exact.
 const FRAME_SIGMAS: [f64; 3] = [100.0, 200.0, 10.0];
-/// Maximum number of passes of a trial; each takes seconds.
-const MOST_PASSES: usize = 1000;
-/// Maximum number of pixels of all scans of a trial: 4 GB.
-const MOST_PIXELS: f64 = 5e8;
 
 /// Settings for reading the files of every pass.
-struct PassForm<'a> {
-    process: Process,
+pub(super) struct PassForm<'a> {
+    pub(super) process: Process,
     /// Pixels of the scan before.
-    pixels: &'a PixelGrid,
-    frame: ScanFrame,
+    pub(super) pixels: &'a PixelGrid,
+    pub(super) frame: ScanFrame,
     /// Columns of logs in other formats than the project's own.
     columns: Option<&'a LogColumns<'a>>,
 }
@@ -76,10 +72,10 @@ fn force_input(manifest: &Manifest) -> ForceInput {
     }
 }
 
-struct Reader<'a> {
-    folder: &'a Path,
-    source: &'a Source,
-    notes: Vec<String>,
+pub(super) struct Reader<'a> {
+    pub(super) folder: &'a Path,
+    pub(super) source: &'a Source,
+    pub(super) notes: Vec<String>,
 }
 
 impl Reader<'_> {
@@ -96,10 +92,11 @@ impl Reader<'_> {
             PassForm { process: manifest.process, pixels: &scans.before.pixels, frame, columns: columns.as_ref() };
         let passes = manifest.pass.iter().map(|table| self.pass(table, &form));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
+        self.check_scanned(&passes)?;
         let columns = self.columns(manifest, &passes)?;
         let coating =
             manifest.coating.as_ref().map(|table| self.within("thickness_mm", &table.thickness_mm, COATING_MM));
-        Ok(Trial {
+        let mut trial = Trial {
             folder: self.folder.to_owned(),
             name: manifest.name.clone(),
             process: manifest.process,
@@ -115,7 +112,11 @@ impl Reader<'_> {
             columns,
             notes: std::mem::take(&mut self.notes),
             findings: Vec::new(),
-        })
+        };
+        if trial.scans.is_nominal {
+            self.align(&mut trial, manifest)?;
+        }
+        Ok(trial)
     }
 
     /// Prior standard deviations of frame and clock from a manifest; defaults for absent keys.
@@ -147,21 +148,6 @@ impl Reader<'_> {
         let found = Found::new(self.source, manifest, &Logs { passes, files })?;
         self.notes.extend(found.notes);
         Ok(found.columns)
-    }
-
-    /// Refuses more passes, or more pixels in all their scans, than fit into memory.
-    fn check_size(&self, manifest: &Manifest, pixels: &PixelGrid) -> Result<(), TrialError> {
-        let passes = manifest.pass.len();
-        let place = || Place::file(&self.source.file);
-        if passes > MOST_PASSES {
-            return Err(place().bad(format!("{passes} passes"), format!("at most {MOST_PASSES} are accepted")));
-        }
-        let scanned = (passes + manifest.scan.repeat.len() + 1) as f64 * pixels.nx as f64 * pixels.ny as f64;
-        if scanned > MOST_PIXELS {
-            let found = format!("{passes} passes with scans of {} x {} pixels", pixels.nx, pixels.ny);
-            return Err(place().bad(found, format!("at most {MOST_PIXELS:.0e} pixels together are accepted")));
-        }
-        Ok(())
     }
 
     fn frame(&self, manifest: &Manifest) -> Result<ScanFrame, TrialError> {
@@ -238,57 +224,21 @@ impl Reader<'_> {
         }
     }
 
-    fn scans(&mut self, manifest: &Manifest, frame: ScanFrame) -> Result<Scans, TrialError> {
-        let before_name = &manifest.scan.before;
-        let before = self.file(before_name, |file| read_heights(file, frame))?;
-        let same = |name: &Spanned<PathBuf>, pixels: &PixelGrid| self.same_shape(name, pixels, &before.content.pixels);
-        let mut notes = before.notes.clone();
-        let mut repeats = Vec::new();
-        for name in &manifest.scan.repeat {
-            let repeat = self.file(name, |file| read_heights(file, frame.like(&before.content.pixels)))?;
-            same(name, &repeat.content.pixels)?;
-            repeats.push(repeat.content);
-            notes.extend(repeat.notes);
-        }
-        let mut material = None;
-        if let Some(name) = &manifest.scan.material {
-            let labels = self.file(name, |file| read_labels(file, frame.like(&before.content.pixels)))?;
-            same(name, &labels.content.pixels)?;
-            material = Some(labels.content);
-            notes.extend(labels.notes);
-        }
-        self.notes.extend(notes);
-        Ok(Scans { before: before.content, repeats, material })
-    }
-
     fn pass(&mut self, table: &PassTable, form: &PassForm) -> Result<Pass, TrialError> {
-        let PassForm { process, pixels, frame, columns } = *form;
         let spindle_speed = self.optional("spindle_rpm", &table.spindle_rpm)?.map(|rpm| rpm * RPM);
-        let log = self.file(&table.log, |file| match columns {
+        let log = self.file(&table.log, |file| match form.columns {
             Some(columns) => columns.read(file, spindle_speed),
             None => read_log(file),
         })?;
-        let (scan, found, notes) = match process.signal() {
-            Signal::Height => {
-                let map = self.file(&table.scan, |file| read_heights(file, frame.like(pixels)))?;
-                let found = map.content.pixels;
-                (PassScan::Heights(map.content), found, map.notes)
-            }
-            Signal::Dose => {
-                let mask = self.file(&table.scan, |file| read_exposure(file, frame.like(pixels)))?;
-                let found = mask.content.pixels;
-                (PassScan::Exposure(mask.content), found, mask.notes)
-            }
-        };
-        self.same_shape(&table.scan, &found, pixels)?;
-        self.notes.extend(log.notes.iter().cloned().chain(notes));
+        let scan = self.pass_scan(table, form)?;
+        self.notes.extend(log.notes.iter().cloned().chain(scan.notes));
         self.note_missing(table);
         let log = log.content;
         let motion = super::poses::Motion::of(&log);
         let feed = self.optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
         let direction = table.direction.as_ref().map(|given| self.unit("direction", given)).transpose()?;
         Ok(Pass {
-            scan,
+            scan: scan.content,
             role: table.role,
             force_setpoint: self.force_setpoint(table, motion.force)?,
             feed,
@@ -326,7 +276,7 @@ impl Reader<'_> {
     }
 
     /// Reads a file that `trial.toml` names; notes begin with its name.
-    fn file<T>(
+    pub(super) fn file<T>(
         &self,
         name: &Spanned<PathBuf>,
         read: impl FnOnce(&Path) -> Result<Read<T>, TrialError>,
@@ -335,18 +285,6 @@ impl Reader<'_> {
         let Read { content, notes } = read(&path)?;
         let shown = name.get_ref().display();
         Ok(Read { content, notes: notes.into_iter().map(|note| format!("{shown}: {note}")).collect() })
-    }
-
-    fn same_shape(&self, name: &Spanned<PathBuf>, found: &PixelGrid, before: &PixelGrid) -> Result<(), TrialError> {
-        let shown = |pixels: &PixelGrid| format!("{} x {} pixels of {} mm", pixels.nx, pixels.ny, pixels.pitch * 1e3);
-        let same_pitch = (found.pitch / before.pitch - 1.0).abs() < 1e-9;
-        if (found.nx, found.ny) == (before.nx, before.ny) && same_pitch {
-            return Ok(());
-        }
-        Err(Place::file(&self.folder.join(name.get_ref())).bad(
-            shown(found),
-            format!("{} as in the scan before the first pass are expected, unless that one was cut off", shown(before)),
-        ))
     }
 
     fn within(&self, key: &str, value: &Spanned<f64>, [least, most]: [f64; 2]) -> Result<f64, TrialError> {

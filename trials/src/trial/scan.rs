@@ -98,6 +98,13 @@ pub struct Read<T> {
     pub notes: Vec<String>,
 }
 
+impl<T> Read<T> {
+    /// The same with its content converted.
+    pub(super) fn converted<U>(self, content: impl FnOnce(T) -> U) -> Read<U> {
+        Read { content: content(self.content), notes: self.notes }
+    }
+}
+
 /// Reads a height map in any format of [`instruments::surface`].
 ///
 /// # Errors

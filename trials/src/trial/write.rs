@@ -109,7 +109,7 @@ pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
         let place = folder.join(name);
         fs::write(&place, text).map_err(FileError::at(&place, "cannot write this file"))
     };
-    put(manifest.scan.before.get_ref(), heights_csv(&trial.scans.before))?;
+    put(manifest.scan.first_name(), heights_csv(&trial.scans.before))?;
     for (name, repeat) in manifest.scan.repeat.iter().zip(&trial.scans.repeats) {
         put(name.get_ref(), heights_csv(repeat))?;
     }
@@ -118,7 +118,9 @@ pub fn write_trial(trial: &Trial, folder: &Path) -> Result<(), FileError> {
     }
     for (table, pass) in manifest.pass.iter().zip(&trial.passes) {
         put(table.log.get_ref(), log_csv(&pass.log))?;
-        put(table.scan.get_ref(), pass.scan.csv())?;
+        if let Some(name) = &table.scan {
+            put(name.get_ref(), pass.scan.csv())?;
+        }
     }
     let text = toml::to_string(&manifest).map_err(FileError::encoding(&folder.join(TRIAL_FILE)))?;
     put(Path::new(TRIAL_FILE), text)
@@ -159,7 +161,8 @@ pub(super) fn manifest_of(trial: &Trial) -> Manifest {
             pitch_mm: Some(plain((pixels.pitch * 1e12).round() / 1e9)),
             origin_mm: Some(plain([number(pixels.origin.x * 1e3), number(pixels.origin.y * 1e3)])),
             mirror: Mirror::None,
-            before: plain("before.csv".into()),
+            before: (!trial.scans.is_nominal).then(|| plain("before.csv".into())),
+            nominal: trial.scans.is_nominal.then(|| plain("nominal.csv".into())),
             repeat: (0..trial.scans.repeats.len()).map(|k| plain(repeat(k))).collect(),
             material: trial.scans.material.as_ref().map(|_| plain("material.csv".into())),
         },
@@ -222,7 +225,7 @@ fn pass_table(number_of_pass: usize, pass: &Pass) -> PassTable {
     let name = |rest: &str| -> Spanned<PathBuf> { plain(format!("pass{number_of_pass}_{rest}.csv").into()) };
     PassTable {
         log: name("log"),
-        scan: name(pass.scan.file_word()),
+        scan: (!pass.scan.is_missing()).then(|| name(pass.scan.file_word())),
         role: pass.role,
         force_setpoint_n: Some(plain(pass.force_setpoint)),
         feed_mm_s: Some(plain(number(pass.feed * 1e3))),

@@ -57,7 +57,8 @@ fn shared(trial: &Trial, other: &Trial) -> Option<(String, String)> {
 
 /// The height maps of a trial with their names.
 fn maps(trial: &Trial) -> Vec<(String, &HeightMap)> {
-    let before = std::iter::once(("[scan] before".to_owned(), &trial.scans.before));
+    let scanned = (!trial.scans.is_nominal).then_some(&trial.scans.before);
+    let before = scanned.map(|map| ("[scan] before".to_owned(), map)).into_iter();
     let repeats = trial.scans.repeats.iter().map(|map| ("[scan] repeat".to_owned(), map));
     let after = trial.passes.iter().enumerate();
     let after = after.filter_map(|(k, pass)| Some((format!("scan of [[pass]] {}", k + 1), ground(pass)?)));

@@ -24,6 +24,7 @@ pub(super) fn coarse(trial: &Trial) -> Cow<'_, Trial> {
     Cow::Owned(Trial {
         scans: Scans {
             before: map(&scans.before),
+            is_nominal: scans.is_nominal,
             repeats: scans.repeats.iter().map(map).collect(),
             material: scans.material.as_ref().map(|labels| blocks.labels(labels)),
         },

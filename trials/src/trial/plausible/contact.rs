@@ -105,7 +105,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let mut notes = Vec::new();
     let mut earlier = (surfaces.before.clone(), names.before);
     for (pass, path) in surfaces.paths.iter().enumerate() {
-        let after = surfaces.after.get(pass).map(|after| levelled(after, surfaces, pass));
+        let after = surfaces.after[pass].as_ref().map(|after| levelled(after, surfaces, pass));
         let poses = spread_out(&touching(path), &surfaces.before.pixels);
         let worked = PassSurfaces { tool: &trial.tool, poses, before: &earlier.0, after: after.as_ref() };
         let files = Files { log: &trial.folder.join(names.logs[pass]), before: earlier.1, after: names.scans[pass] };

@@ -17,7 +17,7 @@ const COARSEST: f64 = 1e-4;
 
 /// Refuses scans that are copies of each other.
 pub(super) fn check(trial: &Trial, names: &Names) -> Result<(), TrialError> {
-    let before = [(names.before, &trial.scans.before)];
+    let before = (!trial.scans.is_nominal).then_some((names.before, &trial.scans.before));
     let repeats = names.repeats.iter().copied().zip(&trial.scans.repeats);
     let after = trial.passes.iter().zip(&names.scans).filter_map(|(pass, name)| Some((*name, ground(pass)?)));
     let maps: Vec<(&Path, &HeightMap)> = before.into_iter().chain(repeats).chain(after).collect();

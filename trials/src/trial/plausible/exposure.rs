@@ -48,10 +48,11 @@ struct DwellPositions<'a> {
 /// Refuses masks that contradict the pad's path or each other.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let Tool::Pad(Pad { radius }) = trial.tool.shape else { return Ok(Vec::new()) };
-    let masks: Vec<&ExposureMask> = trial.passes.iter().filter_map(|pass| pass.scan.mask()).collect();
+    let masks = trial.passes.iter().enumerate().filter(|(_, pass)| !pass.scan.is_missing());
+    let masks: Vec<(usize, &ExposureMask)> = masks.filter_map(|(k, pass)| Some((k, pass.scan.mask()?))).collect();
     check_order(trial, &masks, names)?;
     let mut notes = Vec::new();
-    for (number, mask) in masks.iter().enumerate() {
+    for &(number, mask) in &masks {
         let stay = DwellPositions::of(&surfaces.paths[..=number], radius);
         let place = Place::file(&trial.folder.join(names.scans[number]));
         notes
@@ -171,8 +172,11 @@ fn rising(mut known: Vec<(f64, bool)>) -> f64 {
 }
 
 /// Refuses a mask that shows less exposure than an earlier one.
-fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<(), TrialError> {
-    for (k, pair) in masks.windows(2).enumerate() {
+///
+/// - `masks`: with the number of their pass
+fn check_order(trial: &Trial, masks: &[(usize, &ExposureMask)], names: &Names) -> Result<(), TrialError> {
+    for numbered in masks.windows(2) {
+        let (pair, [earlier, later]) = ([0, 1].map(|k| numbered[k].1), [0, 1].map(|k| numbered[k].0));
         let count = |from: bool| {
             let pixels = pair[0].exposed.iter().zip(&pair[1].exposed);
             pixels.filter(|(a, b)| **a == Some(from) && **b == Some(!from)).count() as f64
@@ -187,11 +191,11 @@ fn check_order(trial: &Trial, masks: &[&ExposureMask], names: &Names) -> Result<
         } else {
             "is one of them mirrored, displaced or of another workpiece?"
         };
-        return Err(Place::file(&trial.folder.join(names.scans[k + 1])).bad(
+        return Err(Place::file(&trial.folder.join(names.scans[later])).bad(
             format!(
                 "{:.0} % of what {} shows exposed is coated again",
                 100.0 * lost / exposed,
-                names.scans[k].display()
+                names.scans[earlier].display()
             ),
             format!("no coating comes back: {guess}"),
         ));

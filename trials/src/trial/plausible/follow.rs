@@ -27,12 +27,13 @@ const BESIDE: (f64, f64) = (0.1, 0.5);
 /// registration corrects, and on passes without removal.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
-    let mut earlier = &surfaces.before;
-    for (pass, ((now, free), name)) in surfaces.after.iter().zip(&surfaces.free).zip(&names.scans).enumerate() {
+    for (pass, (now, name)) in surfaces.after.iter().zip(&names.scans).enumerate() {
+        let Some(now) = now else { continue };
+        let (earlier, since) = surfaces.earlier(pass);
         let place = Place::file(&trial.folder.join(name));
-        let found = follow(now, earlier, free, place)?.into_iter().chain(across(trial, surfaces, pass));
+        let found = follow(now, earlier, &surfaces.free_in(since), place)?;
+        let found = found.into_iter().chain(across(trial, surfaces, pass));
         notes.extend(found.map(|note| format!("{}: {note}", name.display())));
-        earlier = now;
     }
     Ok(notes)
 }
@@ -77,10 +78,12 @@ fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> 
     Ok(tilted.into_iter().chain(beside(&cut, now, free, place)?).collect())
 }
 
-/// Pixels that a pass ground; `None` if the scans cannot be registered.
+/// Pixels that a pass ground, with the passes before it that were not scanned; `None` if the scans cannot be
+/// registered.
 fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
-    let (now, free) = (surfaces.after.get(pass)?, &surfaces.free[pass]);
-    let earlier = pass.checked_sub(1).map_or(&surfaces.before, |before| &surfaces.after[before]);
+    let now = surfaces.after[pass].as_ref()?;
+    let (earlier, since) = surfaces.earlier(pass);
+    let free = surfaces.free_in(since);
     let found = register(now, earlier, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
     let left = HeightMap { heights: found.left(now, earlier), ..now.clone() };
     Some(cut(&left, (RISE.0 * found.sigma).max(RISE.1)))

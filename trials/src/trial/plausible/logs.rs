@@ -200,7 +200,7 @@ fn check_order(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<(), 
             Some((own, level(&pair[0], &pair[1].map)? - own[0]))
         };
         let Some(([first, second], depth)) = levels() else { continue };
-        if surfaces.after.is_empty() || depth < LEAST_DEPTH || second - first < 1.5 * depth {
+        if surfaces.after.iter().all(Option::is_none) || depth < LEAST_DEPTH || second - first < 1.5 * depth {
             continue;
         }
         let place = Place::file(&trial.folder.join(names.logs[k + 1]));

@@ -34,13 +34,14 @@ mod repeat;
 pub(super) use across::check as check_across;
 pub use contact::least_gap;
 
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 use sdf_bake::HeightMap;
 
 use super::error::{Place, TrialError};
-use super::manifest::Manifest;
+use super::manifest::{Manifest, PassTable};
 use super::poses::{ToolPath, ToolPose};
 use super::{Checked, Finding, Pass, PassScan, Trial};
 use crate::measure::{CLEARANCE, despiked, untouched};
@@ -55,26 +56,34 @@ pub(super) struct Names<'a> {
     before: &'a Path,
     repeats: Vec<&'a Path>,
     logs: Vec<&'a Path>,
+    /// One for each pass; empty for a pass that was not scanned.
     scans: Vec<&'a Path>,
 }
 
 impl<'a> Names<'a> {
     pub(super) fn of(manifest: &'a Manifest) -> Self {
         Self {
-            before: manifest.scan.before.get_ref(),
+            before: manifest.scan.first_name(),
             repeats: manifest.scan.repeat.iter().map(|name| name.get_ref().as_path()).collect(),
             logs: manifest.pass.iter().map(|table| table.log.get_ref().as_path()).collect(),
-            scans: manifest.pass.iter().map(|table| table.scan.get_ref().as_path()).collect(),
+            scans: manifest.pass.iter().map(scan_name).collect(),
         }
     }
+}
+
+/// Name of the scan after a pass; empty if there was none.
+fn scan_name(table: &PassTable) -> &Path {
+    table.scan.as_ref().map_or(Path::new(""), |name| name.get_ref())
 }
 
 /// A trial's scans without spikes, and its paths.
 struct Surfaces {
     before: HeightMap,
+    /// True if no scan shows that surface: it is the one of the drawing.
+    is_nominal: bool,
     repeats: Vec<HeightMap>,
-    /// Surface after each pass; empty for sanding.
-    after: Vec<HeightMap>,
+    /// Surface after each pass; `None` for sanding, and for a pass that was not scanned.
+    after: Vec<Option<HeightMap>>,
     /// Path of each pass.
     paths: Vec<ToolPath>,
     /// For each pass and pixel, true if no tool came close to it in this pass.
@@ -85,12 +94,13 @@ impl Surfaces {
     fn of(trial: &Trial) -> Self {
         let clean = |map: &HeightMap| despiked(map).0;
         let before = &trial.scans.before;
-        let after: Vec<&HeightMap> = trial.passes.iter().filter_map(ground).collect();
+        let after: Vec<Option<&HeightMap>> = trial.passes.iter().map(ground).collect();
         let paths: Vec<ToolPath> = trial.passes.iter().map(|pass| pass.tool_path(&trial.tool)).collect();
         Self {
             before: clean(before),
+            is_nominal: trial.scans.is_nominal,
             repeats: trial.scans.repeats.iter().map(clean).collect(),
-            after: after.into_par_iter().map(clean).collect(),
+            after: after.into_par_iter().map(|map| map.map(clean)).collect(),
             free: paths.iter().map(|path| untouched(before, path, &trial.tool, CLEARANCE)).collect(),
             paths,
         }
@@ -111,18 +121,28 @@ impl Surfaces {
         }
     }
 
+    /// The last surface that was scanned before a pass, and the passes since then, this one included.
+    fn earlier(&self, pass: usize) -> (&HeightMap, Range<usize>) {
+        let scanned = (0..pass).rev().find_map(|earlier| Some((earlier, self.after[earlier].as_ref()?)));
+        scanned.map_or((&self.before, 0..pass + 1), |(earlier, map)| (map, earlier + 1..pass + 1))
+    }
+
+    /// Pixels that no pass of a range came close to.
+    fn free_in(&self, passes: Range<usize>) -> Vec<bool> {
+        (0..self.before.heights.len()).map(|at| self.free[passes.clone()].iter().all(|free| free[at])).collect()
+    }
+
     /// Pixels that no pass up to this one came close to; all pixels if those are too few.
     fn free_until(&self, pass: usize) -> Vec<bool> {
-        let alone = |at: usize| self.free[..=pass].iter().all(|free| free[at]);
-        let free: Vec<bool> = (0..self.before.heights.len()).map(alone).collect();
+        let free = self.free_in(0..pass + 1);
         let enough = free.iter().filter(|free| **free).count() >= LEAST_PIXELS;
         if enough { free } else { vec![true; free.len()] }
     }
 }
 
-/// The ground surface after a pass; `None` for sanding.
+/// The ground surface after a pass; `None` for sanding, and for a pass that was not scanned.
 fn ground(pass: &Pass) -> Option<&HeightMap> {
-    pass.scan.heights()
+    pass.scan.heights().filter(|_| !pass.scan.is_missing())
 }
 
 /// Result of a check: notes, or the reason for refusal.

@@ -47,7 +47,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let everywhere = vec![true; surfaces.before.heights.len()];
     let repeats = names.repeats.iter().zip(&surfaces.repeats).map(|(name, map)| (*name, map, everywhere.clone()));
     let after = names.scans.iter().zip(&surfaces.after).enumerate();
-    let after = after.map(|(pass, (name, map))| (*name, map, surfaces.free_until(pass)));
+    let after = after.filter_map(|(pass, (name, map))| Some((*name, map.as_ref()?, surfaces.free_until(pass))));
     let others: Vec<_> = repeats.chain(after).collect();
     let related: Vec<Option<Relation>> =
         others.iter().map(|(_, map, mask)| relation(map, &surfaces.before, mask)).collect();

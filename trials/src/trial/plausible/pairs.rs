@@ -50,15 +50,31 @@ struct ScanDifference {
     gained: f64,
 }
 
+/// A scan of the trial; a nominal surface is none.
+struct ListedScan<'a> {
+    name: &'a Path,
+    map: &'a HeightMap,
+    /// The pass before it; `None` for the scan before the first pass and its repeats.
+    pass: Option<usize>,
+}
+
+impl<'a> ListedScan<'a> {
+    /// The scan before, the repeats, and those after passes.
+    fn all(surfaces: &'a Surfaces, names: &Names<'a>) -> Vec<Self> {
+        let first = (!surfaces.is_nominal).then_some((names.before, &surfaces.before));
+        let unworked = first.into_iter().chain(names.repeats.iter().copied().zip(&surfaces.repeats));
+        let after = names.scans.iter().copied().zip(&surfaces.after).enumerate();
+        let after = after.filter_map(|(pass, (name, map))| Some(Self { name, map: map.as_ref()?, pass: Some(pass) }));
+        unworked.map(|(name, map)| Self { name, map, pass: None }).chain(after).collect()
+    }
+}
+
 /// Refuses scans that share their noise, and scans that show another surface than the others; returns notes.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Option<String>, TrialError> {
-    let first = (names.before, &surfaces.before);
-    let repeats = names.repeats.iter().copied().zip(&surfaces.repeats);
-    let after = names.scans.iter().copied().zip(&surfaces.after);
-    let scans: Vec<(&Path, &HeightMap)> = std::iter::once(first).chain(repeats).chain(after).collect();
+    let scans = ListedScan::all(surfaces, names);
     let pairs = all(&scans, surfaces);
-    let place = |at: usize| Place::file(&trial.folder.join(scans[at].0));
-    let name = |at: usize| scans[at].0.display();
+    let place = |at: usize| Place::file(&trial.folder.join(scans[at].name));
+    let name = |at: usize| scans[at].name.display();
     if let [pair] = pairs[..] {
         return Ok(lonely(pair, &scans).map(|note| format!("{}: {note}", name(pair.of.1))));
     }
@@ -108,9 +124,9 @@ fn against_others(pairs: &[ScanDifference], odd: usize) -> Option<[f64; 3]> {
 }
 
 /// Note on the only two scans of a surface.
-fn lonely(pair: ScanDifference, scans: &[(&Path, &HeightMap)]) -> Option<String> {
-    let own = pixel_noise(scans[pair.of.0].1).min(pixel_noise(scans[pair.of.1].1));
-    let first = scans[pair.of.0].0.display();
+fn lonely(pair: ScanDifference, scans: &[ListedScan]) -> Option<String> {
+    let own = pixel_noise(scans[pair.of.0].map).min(pixel_noise(scans[pair.of.1].map));
+    let first = scans[pair.of.0].name.display();
     let [pixels, tiles, own_shown] = [pair.pixels, pair.tiles, own].map(|size| 1e6 * size);
     if pair.pixels < SHARED * own {
         return Some(format!(
@@ -134,23 +150,20 @@ fn lonely(pair: ScanDifference, scans: &[(&Path, &HeightMap)]) -> Option<String>
 }
 
 /// All pairs of scans: before, repeats, after.
-fn all(scans: &[(&Path, &HeightMap)], surfaces: &Surfaces) -> Vec<ScanDifference> {
-    let first_after = 1 + surfaces.repeats.len();
+fn all(scans: &[ListedScan], surfaces: &Surfaces) -> Vec<ScanDifference> {
     let everywhere = || vec![true; surfaces.before.heights.len()];
-    let mask = |later: usize| later.checked_sub(first_after).map_or_else(everywhere, |pass| surfaces.free_until(pass));
+    let mask = |later: usize| scans[later].pass.map_or_else(everywhere, |pass| surfaces.free_until(pass));
     let pairs = (1..scans.len()).flat_map(|later| {
         let mask = mask(later);
-        (0..later)
-            .filter_map(move |earlier| ScanDifference::new(scans, (earlier, later), &mask, later >= first_after))
-            .collect::<Vec<_>>()
+        (0..later).filter_map(move |earlier| ScanDifference::new(scans, (earlier, later), &mask)).collect::<Vec<_>>()
     });
     pairs.collect()
 }
 
 impl ScanDifference {
     /// Compares two scans over a mask. A bow is removed if a pass lies between them. `None` if too little is known.
-    fn new(scans: &[(&Path, &HeightMap)], of: (usize, usize), mask: &[bool], bows: bool) -> Option<Self> {
-        let (reference, scan) = (scans[of.0].1, scans[of.1].1);
+    fn new(scans: &[ListedScan], of: (usize, usize), mask: &[bool]) -> Option<Self> {
+        let (reference, scan, bows) = (scans[of.0].map, scans[of.1].map, scans[of.1].pass.is_some());
         let found = register(scan, reference, DegreesOfFreedom::PlaneAndShift, |at| mask[at]).ok()?;
         let mut heights = found.left(scan, reference);
         let unknown = heights.iter_mut().enumerate().filter(|(at, _)| !mask[*at] || !has_slope(reference, *at));

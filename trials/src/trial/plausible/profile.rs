@@ -18,7 +18,7 @@ use sdf_bake::{HeightMap, PixelGrid};
 
 use super::super::error::{Place, TrialError};
 use super::super::manifest::TRIAL_FILE;
-use super::super::poses::ToolPose;
+use super::super::poses::{ToolPath, ToolPose};
 use super::super::{HeldTool, Trial};
 use super::{Names, Surfaces, contact, odds, touching};
 use robot::{Tool, Wheel};
@@ -92,16 +92,18 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(note)
 }
 
-/// Poses in contact of each pass with the surface that it left, in the frame of the first scan.
-pub(super) fn contacts(surfaces: &Surfaces) -> Vec<Contact<'_>> {
-    let one = |(pass, path)| {
-        let poses = touching(path);
+/// Poses in contact of each pass with the surface that it left, in the frame of the first scan. No poses if that
+/// surface was not scanned, though those of other passes were.
+pub(super) fn contacts<'a>(surfaces: &'a Surfaces) -> Vec<Contact<'a>> {
+    let is_ground = surfaces.after.iter().any(Option::is_some);
+    let one = |(pass, (path, after)): (usize, (&'a ToolPath, &'a Option<HeightMap>))| {
+        let poses = if is_ground && after.is_none() { Vec::new() } else { touching(path) };
         let stride = poses.len().div_ceil(LOOKED_AT).max(1);
-        let after = surfaces.after.get(pass);
-        let map = after.map_or_else(|| surfaces.before.clone(), |after| contact::levelled(after, surfaces, pass));
+        let levelled = |after| contact::levelled(after, surfaces, pass);
+        let map = after.as_ref().map_or_else(|| surfaces.before.clone(), levelled);
         Contact { poses: poses.into_iter().step_by(stride).collect(), map }
     };
-    surfaces.paths.iter().enumerate().map(one).collect()
+    surfaces.paths.iter().zip(&surfaces.after).enumerate().map(one).collect()
 }
 
 /// Frames with another orientation or scale.

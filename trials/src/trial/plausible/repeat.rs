@@ -1,5 +1,7 @@
 //! The repeated scan must show the surface before the first pass: it may differ from the first scan only by noise.
 
+use std::path::Path;
+
 use super::super::Trial;
 use super::super::error::{Place, TrialError};
 use super::{LEAST_PIXELS, Names, Surfaces};
@@ -19,23 +21,26 @@ const OTHER: f64 = 10.0;
 const LEAST: f64 = 2e-6;
 
 /// Differences over pixels, after offset and tilt.
-struct Differences {
+struct Differences<'a> {
     /// Repeated scan minus the first one [m].
     repeat: Vec<f64>,
-    /// Scan after the first pass minus the first one [m].
+    /// First scan after a pass minus the first one [m].
     pass: Vec<f64>,
+    /// Name of the first scan after a pass.
+    name: &'a Path,
 }
 
 /// Refuses repeated scans that show another surface than the first scan; returns notes on noise that hides the removal.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Vec<String>, TrialError> {
     let mut notes = Vec::new();
-    let Some(after) = surfaces.after.first() else { return Ok(notes) };
-    let (before, free) = (&surfaces.before, surfaces.free_until(0));
+    let mut scanned = surfaces.after.iter().enumerate().filter_map(|(pass, map)| Some((pass, map.as_ref()?)));
+    let Some((first, after)) = scanned.next() else { return Ok(notes) };
+    let (before, free) = (&surfaces.before, surfaces.free_until(first));
     let Ok(found) = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { return Ok(notes) };
     let pass = found.left(after, before);
     for (name, map) in names.repeats.iter().zip(&surfaces.repeats) {
         let Ok(found) = register(map, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { continue };
-        let differences = Differences { repeat: found.left(map, before), pass: pass.clone() };
+        let differences = Differences { repeat: found.left(map, before), pass: pass.clone(), name: names.scans[first] };
         let place = Place::file(&trial.folder.join(name));
         differences.judge(&free, place, names)?;
         notes.extend(differences.noise_note(&free).map(|note| format!("{}: {note}", name.display())));
@@ -43,9 +48,9 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     Ok(notes)
 }
 
-impl Differences {
+impl Differences<'_> {
     fn judge(&self, free: &[bool], place: Place, names: &Names) -> Result<(), TrialError> {
-        let (before, after) = (names.before.display(), names.scans[0].display());
+        let (before, after) = (names.before.display(), self.name.display());
         let accepted = format!("a second scan of the surface of {before} is expected, made before the first pass");
         let quiet = self.rms(&self.repeat, |at| free[at]);
         let touched = |at: usize| !free[at] && self.pass[at].is_finite() && self.repeat[at].is_finite();
