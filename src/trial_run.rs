@@ -225,7 +225,7 @@ pub fn residual(trial: &Trial, simulated: &SimulatedPass, pass: usize) -> Option
     let (measured, simulated) = (trial.passes[pass].scan.heights()?, simulated.scan.heights()?);
     let (measured, _) = despiked(measured);
     let free = untouched_in_passes(&trial.scans.before, &trial.passes[..=pass], &trial.tool, CLEARANCE);
-    let laid = register(&measured, simulated, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
+    let laid = register(&measured, simulated, DegreesOfFreedom::All, |at| free[at]).ok()?;
     let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
     Some((left.iter().map(|left| left * left).sum::<f64>() / left.len().max(1) as f64).sqrt())
 }

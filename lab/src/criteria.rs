@@ -56,7 +56,7 @@ criteria! {
     POSE_HEIGHT_SIGMA: f64 = 50e-6, "m", "chosen";
     /// Prior standard deviation of a scan's tilt, as the height change over half the map's diagonal.
     POSE_TILT_SIGMA: f64 = 50e-6, "m", "chosen";
-    /// Prior standard deviation of a scan's lateral shift.
+    /// Prior standard deviation of a scan's lateral shift, and of the way that its turn moves the map's corners.
     POSE_SHIFT_SIGMA: f64 = 100e-6, "m", "chosen";
     /// Prior standard deviation of the controller's start before the first row in contact, in rows of the log.
     PASS_BEGIN_SIGMA: f64 = 0.577, "1", "derived: root mean square of a uniform distribution over the previous row";

@@ -9,7 +9,9 @@ use sdf_bake::HeightMap;
 use super::covariance::{Freedom, Whitener};
 use super::evidence::{Agreement, EvidenceError};
 use super::observation::{Observation, Untouched};
-use super::pose_columns::{Frame, PLACE_FREEDOMS, cut_columns, place_columns, pose_column, pose_columns, slopes};
+use super::pose_columns::{
+    Frame, PLACE_FREEDOMS, POSE_FREEDOMS, cut_columns, place_columns, pose_column, pose_columns, slopes,
+};
 use super::simulation_errors::ScanErrors;
 use super::tile_noise::TileNoise;
 use super::tiles::{TileGrid, Tiles};
@@ -21,9 +23,10 @@ use crate::criteria::{
 use trial_simulation::SimulatedPass;
 use trials::measure::despiked;
 
-/// Prior standard deviations of a scan's pose: height [m], tilt along x and y over the map's half diagonal [m], shift
-/// along x, y [m].
-const POSE_SIGMAS: [f64; 5] = [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA];
+/// Prior standard deviations of a scan's pose: height, tilt along x and y over the map's half diagonal, shift along x
+/// and y, turn over the half diagonal [m].
+const POSE_SIGMAS: [f64; POSE_FREEDOMS] =
+    [POSE_HEIGHT_SIGMA, POSE_TILT_SIGMA, POSE_TILT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA, POSE_SHIFT_SIGMA];
 /// Ratio of the side of the untouched surface's tiles to the other tiles' side; the untouched surface is larger.
 pub(super) const COARSE: usize = 2;
 /// Number of pose degrees of freedom that the untouched surface determines: height and tilts.
@@ -146,10 +149,8 @@ impl HeightView {
         let own = DMatrix::from_diagonal(&DVector::from_vec(of(&scatter)));
         let covariance = self.noise.covariance(&tiles, &before_share) + own;
         let columns = place_columns(&tiles, [&self.slopes, &self.cut]);
-        let ends_columns = DMatrix::from_fn(tiles.len(), 2, {
-            let means = ends.each_ref().map(|heights| tiles.means(|at| heights[at]));
-            move |row, k| means[k][row]
-        });
+        let ends_means = ends.each_ref().map(|heights| tiles.means(|at| heights[at]));
+        let ends_columns = DMatrix::from_vec(tiles.len(), 2, ends_means.concat());
         let of_ends = Freedom::around_zero(ends_columns, &[PASS_BEGIN_SIGMA, PASS_END_SIGMA]);
         let whitener = Whitener::new(covariance, Freedom { columns, ..self.place.clone() }.and(of_ends))?;
         let lattice_field = whitener.whitened_field(&of(&means));

@@ -8,7 +8,9 @@ use sdf_bake::{HeightMap, PixelGrid};
 use super::tiles::Tiles;
 
 /// Number of degrees of freedom of the scan's pose and of the part's lateral place.
-pub(super) const PLACE_FREEDOMS: usize = 7;
+pub(super) const PLACE_FREEDOMS: usize = POSE_FREEDOMS + 2;
+/// Number of degrees of freedom of a scan's pose: height, tilt and shift along x and y, turn about z.
+pub(super) const POSE_FREEDOMS: usize = 6;
 
 /// Centre of a map and half of its diagonal [m].
 #[derive(Clone, Copy)]
@@ -24,20 +26,18 @@ impl Frame {
     }
 }
 
-/// Height change of a pixel per unit of each degree of freedom of a scan's pose.
-pub(super) fn pose_column(frame: Frame, pixels: PixelGrid, at: usize, slope: DVec2) -> [f64; 5] {
+/// Height change of a pixel per unit of each degree of freedom of a scan's pose [m]; tilts and turn by the way that they
+/// move the corners of the map.
+pub(super) fn pose_column(frame: Frame, pixels: PixelGrid, at: usize, slope: DVec2) -> [f64; POSE_FREEDOMS] {
     let place = (pixels.position(at % pixels.nx, at / pixels.nx) - frame.middle) / frame.reach;
-    [1.0, place.x, place.y, -slope.x, -slope.y]
+    [1.0, place.x, place.y, -slope.x, -slope.y, -slope.dot(place.perp())]
 }
 
 pub(super) fn pose_columns(tiles: &Tiles, slopes: &[DVec2]) -> DMatrix<f64> {
     let pixels = tiles.grid.pixels;
     let frame = Frame::of(pixels);
     let column = |k: usize| tiles.means(|at| pose_column(frame, pixels, at, slopes[at])[k]);
-    DMatrix::from_fn(tiles.len(), 5, {
-        let columns: Vec<Vec<f64>> = (0..5).map(column).collect();
-        move |row, k| columns[k][row]
-    })
+    DMatrix::from_vec(tiles.len(), POSE_FREEDOMS, (0..POSE_FREEDOMS).flat_map(column).collect())
 }
 
 /// Height change of each tile per shift of the cut along x and y.
@@ -52,9 +52,7 @@ pub(super) fn cut_columns(tiles: &Tiles, cut: &[DVec2]) -> DMatrix<f64> {
 /// - `maps`: slopes of the scan and of the cut
 pub(super) fn place_columns(tiles: &Tiles, [slopes, cut]: [&[DVec2]; 2]) -> DMatrix<f64> {
     let (pose, cut) = (pose_columns(tiles, slopes), cut_columns(tiles, cut));
-    DMatrix::from_fn(tiles.len(), PLACE_FREEDOMS, |row, k| {
-        if k < pose.ncols() { pose[(row, k)] } else { cut[(row, k - pose.ncols())] }
-    })
+    DMatrix::from_vec(tiles.len(), PLACE_FREEDOMS, [pose.as_slice(), cut.as_slice()].concat())
 }
 
 /// Slope at each pixel of a plane fitted to neighbours up to two pixels away, NaN where too few are known.

@@ -20,6 +20,8 @@ const ON_LINE: f64 = 1e-6;
 pub struct Profilometer {
     /// Its pixels.
     pub pixels: PixelGrid,
+    /// Turn of the pixels about their middle [rad], positive from x to y.
+    pub turn: f64,
     /// Standard deviation of its lateral blur, a Gaussian [m]; 0 for none.
     pub blur: f64,
 }
@@ -44,7 +46,18 @@ struct Lines {
 impl Profilometer {
     /// An instrument without blur.
     pub fn sharp(pixels: PixelGrid) -> Self {
-        Self { pixels, blur: 0.0 }
+        Self { pixels, turn: 0.0, blur: 0.0 }
+    }
+
+    /// Position of a pixel on the part [m].
+    fn place(&self, k: usize) -> DVec2 {
+        let PixelGrid { nx, ny, .. } = self.pixels;
+        let place = self.pixels.position(k % nx, k / nx);
+        if self.turn == 0.0 {
+            return place;
+        }
+        let middle = 0.5 * (self.pixels.origin + self.pixels.position(nx - 1, ny - 1));
+        middle + DVec2::from_angle(self.turn).rotate(place - middle)
     }
 
     /// Heights of the topmost surface [m]; NaN where there is no surface.
@@ -79,12 +92,12 @@ impl Profilometer {
     /// Values of `read` on the surface at the pixels, blurred.
     fn sampled(&self, grid: &BrickGrid, read: impl Fn(Crossing) -> f64 + Sync) -> Vec<f64> {
         let value = |line: IVec2| topmost(grid, line).map_or(f64::NAN, &read);
-        let place = |k: usize| self.pixels.position(k % self.pixels.nx, k / self.pixels.nx) / grid.voxel;
+        let place = |k: usize| self.place(k) / grid.voxel;
         let count = self.pixels.len();
         let sharp: Vec<f64> = if (0..count).all(|k| is_on_line(place(k))) {
             (0..count).into_par_iter().map(|k| value(place(k).round().as_ivec2())).collect()
         } else {
-            let lines = Lines::around(&self.pixels, grid.voxel);
+            let lines = Lines::around((0..count).map(place));
             let on_lines: Vec<f64> = (0..lines.nx * lines.ny).into_par_iter().map(|k| value(lines.line(k))).collect();
             (0..count).into_par_iter().map(|k| lines.at(&on_lines, place(k))).collect()
         };
@@ -129,11 +142,11 @@ fn way_up(grid: &BrickGrid, below: IVec3, low: f32, high: f32) -> f64 {
 }
 
 impl Lines {
-    /// The lines under all pixels, with two more on each side for the bicubic.
-    fn around(pixels: &PixelGrid, voxel: f64) -> Self {
-        let last = pixels.position(pixels.nx.max(1) - 1, pixels.ny.max(1) - 1);
-        let low = (pixels.origin / voxel).floor().as_ivec2() - 2;
-        let high = (last / voxel).ceil().as_ivec2() + 2;
+    /// The lines under all pixels [voxels], with two more on each side for the bicubic.
+    fn around(mut places: impl Iterator<Item = DVec2>) -> Self {
+        let first = places.next().unwrap_or_default();
+        let (low, high) = places.fold((first, first), |(low, high), place| (low.min(place), high.max(place)));
+        let (low, high) = (low.floor().as_ivec2() - 2, high.ceil().as_ivec2() + 2);
         Self { first: low, nx: (high.x - low.x + 1) as usize, ny: (high.y - low.y + 1) as usize }
     }
 

@@ -64,7 +64,7 @@ fn blur_widens_a_wave_as_a_gaussian_does() {
     let map = HeightMap::from_function(pixels(), wave);
     let (grid, _) = BrickGrid::from_heights(&map, &SlabOptions::with_voxel(PITCH)).unwrap();
     for blur in [0.1e-3, 0.3e-3, 0.6e-3] {
-        let seen = Profilometer { pixels: pixels(), blur }.heights(&grid);
+        let seen = Profilometer { blur, ..Profilometer::sharp(pixels()) }.heights(&grid);
         // A Gaussian attenuates a wave by exp(-(turn σ)²/2).
         let passed = (-0.5 * (turn * blur).powi(2)).exp();
         let middle = |k: &usize| (20..260).contains(&(k % 280));
@@ -85,7 +85,7 @@ fn blur_leaves_missing_pixels_missing_and_their_neighbours_alone() {
         q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
     });
     let pixels = PixelGrid { origin: DVec2::splat(-0.012), pitch: 0.5e-3, nx: 49, ny: 49 };
-    let seen = Profilometer { pixels, blur: 0.7e-3 }.heights(&plate);
+    let seen = Profilometer { blur: 0.7e-3, ..Profilometer::sharp(pixels) }.heights(&plate);
     assert!(seen.height(0, 24).is_nan() && seen.height(48, 48).is_nan());
     // The edge of the plate is blurred over half a voxel; inside it is flat up to the last row.
     for i in 6..43 {

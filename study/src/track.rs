@@ -192,7 +192,7 @@ pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registrati
         let alone = untouched(&trial.scans.before, &pass.tool_path(&trial.tool), &trial.tool, CLEARANCE);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
     }
-    let found = register(&data.measured, &before, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
+    let found = register(&data.measured, &before, DegreesOfFreedom::All, |at| free[at]).ok()?;
     let levelled = found.levelled(&data.measured);
     Some((found, levelled))
 }

@@ -4,6 +4,7 @@ use effects::Process;
 use glam::DVec2;
 use robot::LogRow;
 use sdf_bake::PixelGrid;
+use trials::measure::{DegreesOfFreedom, register};
 use trials::trial::{Campaign, Trial};
 use virtual_lab::write::write;
 use virtual_lab::{FrontEnd, Hidden, Made};
@@ -89,6 +90,24 @@ fn marks_lie_where_the_tool_was_and_along_its_way() {
     // Pixels are 0.3 mm apart: exp(−(0.3 / 4)²) = 0.99 along the path, exp(−(0.3 / 0.4)²) = 0.57 across.
     let [along, across] = [1, nx].map(|step| like(step) / like(0));
     assert!(along > 0.9 && (0.4..0.7).contains(&across), "{along}, {across}");
+}
+
+#[test]
+fn clamped_parts_lie_turned_and_registration_finds_the_turn() {
+    let clamped = made(FrontEnd::Clamped, &[]);
+    let mut turns = Vec::new();
+    for (trial, straight) in clamped.trials.iter().zip(&clean().trials) {
+        for pass in 0..trial.passes.len() {
+            let (scan, reference) = (heights(trial, pass), heights(straight, pass));
+            let plane = register(scan, reference, DegreesOfFreedom::Plane, |_| true).unwrap();
+            let found = register(scan, reference, DegreesOfFreedom::All, |_| true).unwrap();
+            println!("turn {:.2} mrad, {:.2} µm for {:.2}", 1e3 * found.turn, 1e6 * found.sigma, 1e6 * plane.sigma);
+            assert!(found.sigma < 0.9 * plane.sigma, "{found:?}, {plane:?}");
+            turns.push(found.turn);
+        }
+    }
+    let size = rms(turns.iter().copied());
+    assert!((0.8e-3..3.5e-3).contains(&size), "{size}");
 }
 
 #[test]

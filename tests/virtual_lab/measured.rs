@@ -29,7 +29,7 @@ fn deviation(trial: &Trial, pass: usize, simulated: &HeightMap) -> f64 {
         let alone = untouched(&trial.scans.before, &before.tool_path(&trial.tool), &trial.tool, 0.1e-3);
         free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
     }
-    let laid = register(&measured, simulated, DegreesOfFreedom::PlaneAndShift, |at| free[at]).unwrap();
+    let laid = register(&measured, simulated, DegreesOfFreedom::All, |at| free[at]).unwrap();
     let left: Vec<f64> = laid.left(&measured, simulated).into_iter().filter(|left| left.is_finite()).collect();
     centre_and_sigma(&left).unwrap().1 / (2f64.sqrt() * floor_of(trial).sigma)
 }

@@ -26,6 +26,8 @@ pub enum FrontEnd {
     Worn,
     /// No surface is scanned twice.
     Once,
+    /// The part is clamped again for each scan, shifted by 20 µm and turned by 2 mrad.
+    Clamped,
     /// The force oscillates by 10 % about its mean, and the trials state that the logged force is followed.
     Logged,
     /// A workshop: errors of frame and clock, ripple and worn tool together.
@@ -34,7 +36,7 @@ pub enum FrontEnd {
 
 impl FrontEnd {
     /// All front ends.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Clean,
         Self::Hard,
         Self::Frame,
@@ -43,6 +45,7 @@ impl FrontEnd {
         Self::Texture,
         Self::Worn,
         Self::Once,
+        Self::Clamped,
         Self::Logged,
         Self::Shop,
     ];
@@ -58,6 +61,7 @@ impl FrontEnd {
             Self::Texture => "texture",
             Self::Worn => "worn",
             Self::Once => "once",
+            Self::Clamped => "clamped",
             Self::Logged => "logged",
             Self::Shop => "shop",
         }
@@ -74,6 +78,7 @@ impl FrontEnd {
             Self::Texture => "Grinding marks, coatings like orange peel",
             Self::Worn => "The tool worked before each trial",
             Self::Once => "No surface is scanned twice",
+            Self::Clamped => "The part is turned by 2 mrad from scan to scan",
             Self::Logged => "The force swings, and the logged one leads",
             Self::Shop => "Frame, clock, ripple and worn tool at once",
         }
@@ -84,6 +89,7 @@ impl FrontEnd {
         match self {
             Self::Hard => Instrument::hard(),
             Self::Texture => Instrument::textured(),
+            Self::Clamped => Instrument::clamped(),
             _ => Instrument::clean(),
         }
     }

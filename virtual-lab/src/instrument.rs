@@ -1,7 +1,7 @@
 //! The virtual scanner: scans of a true surface.
 //!
-//! `scan = quantised(faults(blurred(truth(p - shift)) + marks) + white + correlated + piston + tilt · (p - centre))`,
-//! then holes, an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan
+//! `scan = quantised(faults(blurred(truth(q)) + marks) + white + correlated + piston + tilt · (p - centre))` at
+//! `q = p - shift - turn z × (p - centre)`, then holes, an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan
 //! included.
 
 use effects::RunError;
@@ -38,6 +38,8 @@ pub struct Instrument {
     pub tilt: f64,
     /// Lateral shift of a scan along x and y, standard deviation [m].
     pub shift: f64,
+    /// Turn of a scan about z, standard deviation [rad].
+    pub turn: f64,
     /// Least and greatest share of pixels that are missing in holes.
     pub holes: [f64; 2],
     /// Greatest radius of a hole [m].
@@ -71,6 +73,7 @@ impl Instrument {
             piston: 10e-6,
             tilt: 1e-4,
             shift: 5e-6,
+            turn: 0.0,
             holes: [0.008, 0.012],
             hole_radius: 0.8e-3,
             rim: 1,
@@ -107,6 +110,11 @@ impl Instrument {
         Self { marks: 4e-6, border_noise: 0.03, ..Self::clean() }
     }
 
+    /// A good instrument under which the part is clamped again for each scan.
+    pub fn clamped() -> Self {
+        Self { shift: 20e-6, turn: 2e-3, ..Self::clean() }
+    }
+
     /// Root mean square of one scan's noise without spikes [m].
     pub fn noise(&self) -> f64 {
         // The variance of rounding is a twelfth of the squared step.
@@ -124,8 +132,8 @@ impl Instrument {
         fault: Option<Fault>,
         stream: &mut Stream,
     ) -> Result<HeightMap, RunError> {
-        let placed = PixelGrid { origin: pixels.origin - self.shift(stream), ..pixels };
-        let seen = Profilometer { pixels: placed, blur: self.blur }.heights(part);
+        let profilometer = self.profilometer(pixels, self.blur, stream);
+        let (placed, seen) = (profilometer.pixels, profilometer.heights(part));
         let mut map = HeightMap { pixels, ..seen };
         if let Some(mut fault) = fault {
             self.mark(&mut map, placed, &mut fault);
@@ -146,8 +154,7 @@ impl Instrument {
         threshold: f64,
         stream: &mut Stream,
     ) -> ExposureMask {
-        let placed = PixelGrid { origin: pixels.origin - self.shift(stream), ..pixels };
-        let doses = Profilometer { pixels: placed, blur: self.border_blur }.channel(part, &part.dose);
+        let doses = self.profilometer(pixels, self.border_blur, stream).channel(part, &part.dose);
         let noise = correlated((pixels.nx, pixels.ny), self.correlation_length / pixels.pitch, stream);
         let holes = self.holes(&pixels, stream);
         let exposed = (0..pixels.len()).map(|k| {
@@ -158,8 +165,12 @@ impl Instrument {
         ExposureMask { pixels, exposed: exposed.collect() }
     }
 
-    fn shift(&self, stream: &mut Stream) -> DVec2 {
-        self.shift * DVec2::new(stream.normal(), stream.normal())
+    /// The optics above a part that lies shifted and turned under them.
+    fn profilometer(&self, pixels: PixelGrid, blur: f64, stream: &mut Stream) -> Profilometer {
+        let shift = self.shift * DVec2::new(stream.normal(), stream.normal());
+        // An instrument without turn draws no number for it.
+        let turn = if self.turn > 0.0 { self.turn * stream.normal() } else { 0.0 };
+        Profilometer { pixels: PixelGrid { origin: pixels.origin - shift, ..pixels }, turn: -turn, blur }
     }
 
     /// Adds noise, offset and tilt; rounds.

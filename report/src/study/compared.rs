@@ -186,6 +186,7 @@ fn alignments(passes: &[ComparedPass]) -> Table {
             "tilt y [mrad]",
             "shift x [µm]",
             "shift y [µm]",
+            "turn [mrad]",
             "left over [µm]",
             "pixels",
         ],
@@ -200,6 +201,7 @@ fn alignments(passes: &[ComparedPass]) -> Table {
             value(found.tilt.y, 1e-3),
             value(found.shift.x, 1e-6),
             value(found.shift.y, 1e-6),
+            value(found.turn, 1e-3),
             value(found.sigma, 1e-6),
             Cell::number(found.pixels.to_string(), found.pixels as f64),
         ]);

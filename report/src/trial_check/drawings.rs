@@ -68,7 +68,7 @@ pub(super) fn add_maps(page: &mut Page, check: &TrialCheck) {
 /// Returns the height after some passes minus the height before them [m], registered on the untouched surface.
 fn change(trial: &Trial, passes: Range<usize>, before: &HeightMap, after: &HeightMap) -> Vec<f64> {
     let free = untouched_in_passes(before, &trial.passes[passes], &trial.tool, CLEARANCE);
-    let registration = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at])
+    let registration = register(after, before, DegreesOfFreedom::All, |at| free[at])
         .or_else(|_| register(after, before, DegreesOfFreedom::Plane, |_| true))
         .unwrap_or_default();
     registration.left(after, before)

@@ -62,7 +62,7 @@ pub fn despiked(map: &HeightMap) -> (HeightMap, Vec<usize>) {
 pub fn unlike_repeat(map: &HeightMap, repeat: &HeightMap) -> HeightMap {
     let ((clean, _), (repeat, _)) = rayon::join(|| despiked(map), || despiked(repeat));
     let mut checked = map.clone();
-    if let Ok(over) = register(&repeat, &clean, DegreesOfFreedom::PlaneAndShift, |_| true) {
+    if let Ok(over) = register(&repeat, &clean, DegreesOfFreedom::All, |_| true) {
         let (_, spikes) = despiked(&HeightMap { heights: over.left(&repeat, &clean), ..clean });
         spikes.into_iter().for_each(|at| checked.heights[at] = f64::NAN);
     }

@@ -61,7 +61,7 @@ pub fn noise_floor_where(
     second: &HeightMap,
     takes: impl Fn(usize) -> bool,
 ) -> Result<NoiseFloor, RegistrationError> {
-    let registration = register(second, first, DegreesOfFreedom::PlaneAndShift, &takes)?;
+    let registration = register(second, first, DegreesOfFreedom::All, &takes)?;
     let left = registration.left(second, first).into_iter().enumerate();
     let known = |at: usize| takes(at) && has_slope(first, at);
     let difference: Vec<f64> = left.map(|(at, left)| if known(at) { left } else { f64::NAN }).collect();

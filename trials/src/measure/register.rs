@@ -1,5 +1,5 @@
-//! Registration of two maps of one surface: offset, tilt and, on request, a lateral shift, by iteratively reweighted
-//! least squares.
+//! Registration of two maps of one surface: offset, tilt and, on request, a lateral shift and turn, by iteratively
+//! reweighted least squares.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -19,11 +19,11 @@ const ROUNDS: (usize, usize) = (10, 20);
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
-/// Minimum spread of heights for the weight of the prior on shifts [m]: far above the rounding of heights in a file, 1
+/// Minimum spread of heights for the weight of the prior on shifts and turn [m]: far above the rounding of heights in a file, 1
 /// nm.
 const FINEST: f64 = 1e-7;
-/// Unknowns: offset, tilt along x and y, shift along x and y.
-const UNKNOWNS: usize = 5;
+/// Unknowns: offset, tilt along x and y, shift along x and y, turn.
+const UNKNOWNS: usize = 6;
 /// Share of a column's norm that must remain after projection on the others; less counts as dependent.
 const INDEPENDENT: f64 = 1e-6;
 
@@ -32,11 +32,12 @@ const INDEPENDENT: f64 = 1e-6;
 pub enum DegreesOfFreedom {
     /// Offset and tilt.
     Plane,
-    /// Offset, tilt and a lateral shift; the shift needs a surface with slopes along x and y.
-    PlaneAndShift,
+    /// Offset, tilt, and a lateral shift and turn about z; these need a surface with slopes along x and y.
+    All,
 }
 
-/// Position of one map relative to another: `measured(p) = reference(p - shift) + offset + tilt · (p - centre)`.
+/// Position of one map relative to another: `measured(p) = reference(p - shift - turn z × (p - centre)) + offset +
+/// tilt · (p - centre)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Registration {
     /// Height difference at `centre` [m].
@@ -45,6 +46,8 @@ pub struct Registration {
     pub tilt: DVec2,
     /// Lateral shift [m]; zero unless requested.
     pub shift: DVec2,
+    /// Turn about z [rad], positive from x to y; zero unless requested.
+    pub turn: f64,
     /// Mean position of the pixels used [m].
     pub centre: DVec2,
     /// Robust standard deviation of the residuals on the pixels used [m].
@@ -80,9 +83,10 @@ struct Equation {
 
 /// Registers `measured` with `reference` over the pixels that `takes` selects; outliers get little or no weight.
 ///
-/// The shift is one Gauss-Newton step with the reference's central differences, accurate for a small part of the pitch;
-/// a simulated reference can be observed again at the shifted pixels. A prior with a standard deviation of one pitch
-/// draws the shift to zero, so that the rounding of a plane surface, which looks like slopes, causes no shift.
+/// Shift and turn are one Gauss-Newton step with the reference's central differences, accurate while they move pixels by
+/// a small part of the pitch; a simulated reference can be observed again at the moved pixels. Priors draw both to zero,
+/// so that the rounding of a plane surface, which looks like slopes, moves nothing: standard deviations of one pitch,
+/// for the turn at a distance of the map's length.
 ///
 /// # Errors
 /// [`RegistrationError`] if the maps differ in shape, or too few pixels are left.
@@ -106,7 +110,7 @@ pub fn register(
     let scale = pixels.pitch * pixels.nx.max(pixels.ny) as f64;
     let equation = |at: usize| {
         let (x, slope) = ((place(at) - centre) / scale, slope(reference, at, freedom));
-        let basis = [1.0, x.x, x.y, -slope.x, -slope.y];
+        let basis = [1.0, x.x, x.y, -slope.x, -slope.y, -slope.dot(x.perp())];
         let difference = measured.heights[at] - reference.heights[at];
         (!slope.is_nan()).then_some(Equation { basis, difference })
     };
@@ -115,13 +119,13 @@ pub fn register(
     if equations.len() < LEAST_PIXELS {
         return Err(too_few);
     }
-    let ([offset, tilt_x, tilt_y, shift_x, shift_y], sigma) = fit(&equations, pixels.pitch).ok_or(too_few)?;
+    let ([offset, tilt_x, tilt_y, shift_x, shift_y, turn], sigma) = fit(&equations, pixels.pitch).ok_or(too_few)?;
     let (tilt, shift) = (DVec2::new(tilt_x, tilt_y) / scale, DVec2::new(shift_x, shift_y));
-    Ok(Registration { offset, tilt, shift, centre, sigma, pixels: equations.len() })
+    Ok(Registration { offset, tilt, shift, turn: turn / scale, centre, sigma, pixels: equations.len() })
 }
 
-/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero if no shift is
-/// requested.
+/// Slope of a map at a pixel by central differences, NaN at the border and beside missing pixels; zero if neither
+/// shift nor turn is requested.
 fn slope(map: &HeightMap, at: usize, freedom: DegreesOfFreedom) -> DVec2 {
     let (nx, ny) = (map.pixels.nx, map.pixels.ny);
     let (i, j) = (at % nx, at / nx);
@@ -137,7 +141,7 @@ fn slope(map: &HeightMap, at: usize, freedom: DegreesOfFreedom) -> DVec2 {
 
 /// Returns true if all four neighbours of a pixel are known.
 pub(crate) fn has_slope(map: &HeightMap, at: usize) -> bool {
-    slope(map, at, DegreesOfFreedom::PlaneAndShift).is_finite()
+    slope(map, at, DegreesOfFreedom::All).is_finite()
 }
 
 /// Slope of a map at a pixel from the known neighbours, zero along an axis without any.
@@ -184,7 +188,7 @@ fn all_left(equations: &[Equation], solution: &[f64; UNKNOWNS]) -> Vec<f64> {
     equations.par_iter().map(|equation| equation.left(solution)).collect()
 }
 
-/// Least squares with a weight for each equation, by its index, and a prior on the shifts; `None` if not even the
+/// Least squares with a weight for each equation, by its index, and a prior on shifts and turn; `None` if not even the
 /// plane is determined.
 fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(usize) -> f64) -> Option<[f64; UNKNOWNS]> {
     // Only the diagonal of the symmetric matrix and the entries to its left are summed.
@@ -204,8 +208,8 @@ fn weighted(equations: &[Equation], prior: f64, weight: impl Fn(usize) -> f64) -
     solved(&matrix, &right)
 }
 
-/// Solves the normal equations, of which only the lower triangle is read, by Cholesky factorisation. Shifts that the
-/// surface does not determine stay zero; `None` if the plane is not determined.
+/// Solves the normal equations, of which only the lower triangle is read, by Cholesky factorisation. Shifts and
+/// a turn that the surface does not determine stay zero; `None` if the plane is not determined.
 fn solved(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], right: &[f64; UNKNOWNS]) -> Option<[f64; UNKNOWNS]> {
     let mut factor = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut solution = [0.0; UNKNOWNS];
@@ -235,7 +239,7 @@ impl Registration {
         self.offset + self.tilt.dot(place - self.centre)
     }
 
-    /// The measured map without the plane; a shift is not applied.
+    /// The measured map without the plane; shift and turn are not applied.
     pub fn levelled(&self, measured: &HeightMap) -> HeightMap {
         let mut map = measured.clone();
         let pixels = map.pixels;
@@ -247,12 +251,14 @@ impl Registration {
 
     /// Residual of `measured - reference` at each pixel [m], NaN where it is unknown.
     pub fn left(&self, measured: &HeightMap, reference: &HeightMap) -> Vec<f64> {
-        let freedom = if self.shift == DVec2::ZERO { DegreesOfFreedom::Plane } else { DegreesOfFreedom::PlaneAndShift };
-        let levelled = self.levelled(measured);
+        let is_moved = self.shift != DVec2::ZERO || self.turn != 0.0;
+        let freedom = if is_moved { DegreesOfFreedom::All } else { DegreesOfFreedom::Plane };
+        let (levelled, pixels) = (self.levelled(measured), reference.pixels);
         let slope = |at: usize| Some(slope(reference, at, freedom)).filter(|slope| !slope.is_nan());
         let shifted = |at: usize| {
             let slope = slope(at).unwrap_or_else(|| one_sided_slope(reference, at));
-            reference.heights[at] - self.shift.dot(slope)
+            let place = pixels.position(at % pixels.nx, at / pixels.nx);
+            reference.heights[at] - (self.shift + self.turn * (place - self.centre).perp()).dot(slope)
         };
         levelled.heights.iter().enumerate().map(|(at, height)| height - shifted(at)).collect()
     }
@@ -309,7 +315,7 @@ mod tests {
         let shift = DVec2::new(23e-6, -17e-6);
         let (mut measured, reference) = maps(shift);
         dirty(&mut measured);
-        let found = register(&measured, &reference, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
+        let found = register(&measured, &reference, DegreesOfFreedom::All, |_| true).unwrap();
         println!("shift {} m, off by {:.1e} m", found.shift, (found.shift - shift).length());
         assert!((found.shift - shift).length() < 1.5e-6, "{found:?}");
         assert!(worst(&found) < 0.3e-6, "{found:?}");
@@ -320,13 +326,32 @@ mod tests {
     }
 
     #[test]
+    fn a_turn_is_found_beside_a_shift() {
+        let (turn, shift) = (1.5e-3, DVec2::new(-8e-6, 12e-6));
+        let (mut measured, reference) = maps(DVec2::ZERO);
+        let (pixels, middle) = (reference.pixels, DVec2::new(0.035, 0.0));
+        measured = HeightMap::from_function(pixels, |p| {
+            let from = p - shift - middle;
+            bead(middle + DVec2::from_angle(-turn).rotate(from)) + measured.heights[pixels.nearest(p).unwrap()]
+                - bead(p)
+        });
+        dirty(&mut measured);
+        let found = register(&measured, &reference, DegreesOfFreedom::All, |_| true).unwrap();
+        let at_middle = found.shift + found.turn * (middle - found.centre).perp();
+        println!("turn {} rad, shift {} m, off by {:.1e} m", found.turn, at_middle, (at_middle - shift).length());
+        assert!((found.turn - turn).abs() < 0.1e-3 && (at_middle - shift).length() < 2e-6, "{found:?}");
+        let plane = register(&measured, &reference, DegreesOfFreedom::Plane, |_| true).unwrap();
+        assert!(plane.turn == 0.0 && plane.sigma > 1.5 * found.sigma, "{plane:?}");
+    }
+
+    #[test]
     fn a_flat_plate_has_no_shift() {
         let pixels = PixelGrid { origin: DVec2::ZERO, pitch: 0.5e-3, nx: 40, ny: 30 };
         let plate = HeightMap::from_function(pixels, |_| 0.0);
         let mut other = plate.clone();
         dirty(&mut other);
-        let found = register(&other, &plate, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
-        assert_eq!(found.shift, DVec2::ZERO);
+        let found = register(&other, &plate, DegreesOfFreedom::All, |_| true).unwrap();
+        assert_eq!((found.shift, found.turn), (DVec2::ZERO, 0.0));
     }
 
     #[test]
@@ -338,7 +363,7 @@ mod tests {
         let mut dirtied = exact.clone();
         dirty(&mut dirtied);
         for other in [exact, dirtied] {
-            let found = register(&other, &plate, DegreesOfFreedom::PlaneAndShift, |_| true).unwrap();
+            let found = register(&other, &plate, DegreesOfFreedom::All, |_| true).unwrap();
             assert!(found.shift.length() < 1e-2 * pixels.pitch, "{found:?}");
         }
     }

@@ -40,7 +40,7 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
 
 /// Checks that a scan can follow another; returns notes on oddities.
 fn follow(now: &HeightMap, earlier: &HeightMap, free: &[bool], place: Place) -> Result<Vec<String>, TrialError> {
-    let Ok(found) = register(now, earlier, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else {
+    let Ok(found) = register(now, earlier, DegreesOfFreedom::All, |at| free[at]) else {
         return Ok(Vec::new());
     };
     let touched: Vec<usize> = (0..free.len()).filter(|&at| !free[at]).collect();
@@ -84,7 +84,7 @@ fn ground_by(surfaces: &Surfaces, pass: usize) -> Option<Vec<usize>> {
     let now = surfaces.after[pass].as_ref()?;
     let (earlier, since) = surfaces.earlier(pass);
     let free = surfaces.free_in(since);
-    let found = register(now, earlier, DegreesOfFreedom::PlaneAndShift, |at| free[at]).ok()?;
+    let found = register(now, earlier, DegreesOfFreedom::All, |at| free[at]).ok()?;
     let left = HeightMap { heights: found.left(now, earlier), ..now.clone() };
     Some(cut(&left, (RISE.0 * found.sigma).max(RISE.1)))
 }

@@ -138,7 +138,7 @@ fn misfit(scan: &HeightMap, other: &HeightMap, mask: &[bool]) -> Option<f64> {
     let all: Vec<usize> = (0..mask.len()).filter(known).collect();
     let mut taken = vec![false; mask.len()];
     all.iter().step_by(all.len() / COMPARED + 1).for_each(|&at| taken[at] = true);
-    let found = register(scan, other, DegreesOfFreedom::PlaneAndShift, |at| taken[at]).ok()?;
+    let found = register(scan, other, DegreesOfFreedom::All, |at| taken[at]).ok()?;
     let left = found.left(scan, other);
     let sizes: Vec<f64> =
         (0..left.len()).filter(|&at| taken[at] && has_slope(other, at)).map(|at| left[at].abs()).collect();

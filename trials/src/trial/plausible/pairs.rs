@@ -164,7 +164,7 @@ impl ScanDifference {
     /// Compares two scans over a mask. A bow is removed if a pass lies between them. `None` if too little is known.
     fn new(scans: &[ListedScan], of: (usize, usize), mask: &[bool]) -> Option<Self> {
         let (reference, scan, bows) = (scans[of.0].map, scans[of.1].map, scans[of.1].pass.is_some());
-        let found = register(scan, reference, DegreesOfFreedom::PlaneAndShift, |at| mask[at]).ok()?;
+        let found = register(scan, reference, DegreesOfFreedom::All, |at| mask[at]).ok()?;
         let mut heights = found.left(scan, reference);
         let unknown = heights.iter_mut().enumerate().filter(|(at, _)| !mask[*at] || !has_slope(reference, *at));
         unknown.for_each(|(_, left)| *left = f64::NAN);

@@ -36,10 +36,10 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
     let mut scanned = surfaces.after.iter().enumerate().filter_map(|(pass, map)| Some((pass, map.as_ref()?)));
     let Some((first, after)) = scanned.next() else { return Ok(notes) };
     let (before, free) = (&surfaces.before, surfaces.free_until(first));
-    let Ok(found) = register(after, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { return Ok(notes) };
+    let Ok(found) = register(after, before, DegreesOfFreedom::All, |at| free[at]) else { return Ok(notes) };
     let pass = found.left(after, before);
     for (name, map) in names.repeats.iter().zip(&surfaces.repeats) {
-        let Ok(found) = register(map, before, DegreesOfFreedom::PlaneAndShift, |at| free[at]) else { continue };
+        let Ok(found) = register(map, before, DegreesOfFreedom::All, |at| free[at]) else { continue };
         let differences = Differences { repeat: found.left(map, before), pass: pass.clone(), name: names.scans[first] };
         let place = Place::file(&trial.folder.join(name));
         differences.judge(&free, place, names)?;
