@@ -101,6 +101,48 @@ fn a_folder_of_scans_and_logs_becomes_a_trial_that_passes_its_checks() {
 }
 
 #[test]
+fn a_log_of_several_strokes_becomes_a_pass_for_each() {
+    let (known, place) = (bundled(), tempfile::tempdir().unwrap());
+    let file = |name: &str| place.path().join(name);
+    write_map(file("scan_a.asc"), &known.scans.before);
+    let PassScan::Heights(last) = &known.passes[1].scan else { panic!("ground") };
+    write_map(file("scan_b.asc"), last);
+    let rows = |k: usize| known.passes[k].log.rows.clone();
+    let later = rows(0).last().expect("rows").time - rows(1)[0].time + 2.0;
+    let second = rows(1).into_iter().map(|row| robot::LogRow { time: row.time + later, ..row });
+    write_log(file("robot.txt"), &Log { rows: rows(0).into_iter().chain(second).collect(), ..Log::default() });
+    let guess = guess(place.path()).expect("a guess");
+    println!("{}", guess.text);
+    assert_eq!(guess.text.matches("log = \"robot.txt\"\ntime_s = [").count(), 2);
+    assert_eq!(guess.text.matches("\n# scan = \"FILE\"").count(), 1);
+    assert_eq!(guess.text.matches("\nscan = \"scan_b.asc\"").count(), 1);
+    let text = guess.text.replace("spindle_rpm = 0.0", "spindle_rpm = 6000").replace("width_mm = ", "width_mm = 20 # ");
+    fs::write(file("trial.toml"), &text).unwrap();
+    let trial = Trial::read(place.path()).expect("a trial");
+    assert_eq!(trial.passes.len(), 2);
+    for (pass, known) in trial.passes.iter().zip(&known.passes) {
+        // The time in the air between both strokes is shared out by halves.
+        assert!(pass.log.rows.len().abs_diff(known.log.rows.len()) < 30, "{}", pass.log.rows.len());
+        assert_eq!(pass.direction, known.direction);
+        assert!((pass.force_setpoint / known.force_setpoint - 1.0).abs() < 0.03, "{}", pass.force_setpoint);
+    }
+    assert!(!trial.notes.iter().any(|note| note.contains("strokes")), "{:?}", trial.notes);
+    // The whole log as one pass is noted, with the times of its strokes.
+    let whole: String =
+        text.lines().filter(|line| !line.starts_with("time_s")).map(|line| format!("{line}\n")).collect();
+    let (head, passes) = whole.split_at(whole.find("[[pass]]").expect("a pass"));
+    let second = passes.rfind("[[pass]]").expect("two passes");
+    let one = passes[second..].lines().filter(|line| !line.starts_with("direction"));
+    let one: String = one.map(|line| format!("{line}\n")).collect();
+    fs::write(file("trial.toml"), format!("{head}{one}")).unwrap();
+    let (trial, _) = Trial::checked(place.path()).expect("a trial");
+    assert!(trial.notes.iter().any(|note| note.contains("2 strokes")), "{:?}", trial.notes);
+    fs::write(file("trial.toml"), text.replace("time_s = [", "time_s = [1000")).unwrap();
+    let error = Trial::read(place.path()).expect_err("no rows").to_string();
+    assert!(error.contains("trial.toml, line") && error.contains("holds 0 rows of robot.txt"), "{error}");
+}
+
+#[test]
 fn a_folder_without_a_log_or_a_scan_is_refused_with_what_was_seen() {
     let place = begun();
     for name in ["robot9.txt", "robot10.txt"] {

@@ -1,8 +1,8 @@
 //! The virtual scanner: scans of a true surface.
 //!
 //! `scan = quantised(faults(blurred(truth(q)) + marks) + white + correlated + piston + tilt · (p - centre))` at
-//! `q = p - shift - turn z × (p - centre)`, then holes, an empty rim and spikes. Every scan has its own registration error and its own noise, the repeated scan
-//! included.
+//! `q = p - shift - turn z × (p - centre)`, then holes, an empty rim and spikes. Every scan has its own registration
+//! error and its own noise, the repeated scan included.
 
 use effects::RunError;
 use glam::DVec2;

@@ -1,6 +1,8 @@
 //! Registration of the log's path with the scans: settings of each pass, position of the first pixel, height of the log
 //! above the surface, and width of the ground track.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
 use instruments::log::guess::Role;
 use instruments::log::{Channels, Guesses};
@@ -10,6 +12,7 @@ use super::files::Found;
 use super::scans::Scans;
 use crate::column_unit::ColumnUnit;
 use crate::measure::median;
+use crate::trial::strokes;
 
 /// Maximum number of log rows that are read.
 const MOST_ROWS: usize = 20_000;
@@ -20,6 +23,10 @@ const TRACK: [f64; 2] = [0.005, 0.995];
 
 /// Settings of a pass, estimated from its log.
 pub(super) struct PassGuess {
+    /// Number of its log.
+    pub(super) log: usize,
+    /// First and last time of its rows [s]; `None` if the log has no other stroke.
+    pub(super) time: Option<[f64; 2]>,
     /// Median force in contact [N].
     pub(super) force: f64,
     /// Median speed in motion [m/s].
@@ -34,7 +41,7 @@ pub(super) struct PassGuess {
 
 /// The logs in the frame of the scans.
 pub(super) struct Placing {
-    /// One for each log.
+    /// One for each stroke of each log.
     pub(super) passes: Vec<PassGuess>,
     /// x, y of the first pixel of the scan before that puts the track under the path [m]; `None` if it cannot be
     /// determined.
@@ -50,8 +57,11 @@ pub(super) struct Placing {
 impl Placing {
     /// Registers the logs with the scan before.
     pub(super) fn of(found: &Found, scans: &Scans) -> Self {
-        let passes: Vec<PassGuess> =
-            found.logs().filter_map(|(_, channels, guesses)| PassGuess::of(channels, guesses)).collect();
+        let strokes = |(log, (_, channels, guesses))| {
+            let motion = Motion::of(channels, guesses)?;
+            Some(motion.strokes().into_iter().filter_map(|rows| motion.pass(log, rows)).collect::<Vec<_>>())
+        };
+        let passes: Vec<PassGuess> = found.logs().enumerate().filter_map(strokes).flatten().collect();
         let before = found.maps().find(|(name, _)| *name == scans.reference()).map(|(_, surface)| surface);
         let mut placing = Self { passes, origin: None, slides_along: false, gap: None, width: None };
         let (Some(before), Some(pass)) = (before, placing.passes.last()) else { return placing };
@@ -71,17 +81,40 @@ impl Placing {
     }
 }
 
-impl PassGuess {
+/// A log in SI units; every few rows of a long one.
+struct Motion {
+    time: Vec<f64>,
+    places: Vec<DVec3>,
+    force: Vec<f64>,
+    /// Spindle speed [rad/s]; `None` if the log has none.
+    spindle: Option<Vec<f64>>,
+}
+
+impl Motion {
+    /// Reads a log by the best guesses of its channels; `None` without a time or a force.
     fn of(channels: &Channels, guesses: &Guesses) -> Option<Self> {
-        let rows = channels.rows();
-        let step = rows.div_ceil(MOST_ROWS).max(1);
+        let step = channels.rows().div_ceil(MOST_ROWS).max(1);
         let si = |role: Role| values(channels, guesses, (role, step));
-        let time = si(Role::Time)?;
+        let (time, force) = (si(Role::Time)?, si(Role::Force)?);
         let axis = |role: Role| si(role).unwrap_or_else(|| vec![0.0; time.len()]);
         let [x, y, z] = [Role::X, Role::Y, Role::Z].map(axis);
-        let places: Vec<DVec3> = (0..time.len()).map(|k| DVec3::new(x[k], y[k], z[k])).collect();
-        let force = si(Role::Force)?;
-        let pressing = 0.5 * high(&force);
+        let places = (0..time.len()).map(|k| DVec3::new(x[k], y[k], z[k])).collect();
+        Some(Self { places, spindle: si(Role::Spindle), time, force })
+    }
+
+    /// Rows of each stroke.
+    fn strokes(&self) -> Vec<Range<usize>> {
+        let pressing = 0.5 * high(&self.force);
+        let force = median(self.force.iter().copied().filter(|force| *force > pressing).collect()).unwrap_or(0.0);
+        let unknown = |value: f64| if value.is_finite() { value } else { 0.0 };
+        let rows: Vec<(f64, f64)> = self.time.iter().zip(&self.force).map(|(t, f)| (*t, unknown(*f))).collect();
+        strokes(&rows, force)
+    }
+
+    /// Settings of the pass in a range of rows; `None` if the tool never presses.
+    fn pass(&self, log: usize, rows: Range<usize>) -> Option<PassGuess> {
+        let (time, places, force) = (&self.time[rows.clone()], &self.places[rows.clone()], &self.force[rows.clone()]);
+        let pressing = 0.5 * high(force);
         let is_pressed = |k: &usize| force[*k] > pressing && places[*k].is_finite();
         let pressed: Vec<DVec3> = (0..places.len()).filter(is_pressed).map(|k| places[k]).collect();
         let speeds: Vec<f64> = (1..places.len())
@@ -90,11 +123,16 @@ impl PassGuess {
             .collect();
         let moving = 0.5 * high(&speeds);
         let way = pressed.first().zip(pressed.last()).map_or(DVec3::ZERO, |(first, last)| last - first);
-        Some(Self {
+        let spindle = self.spindle.as_ref().map(|speeds| speeds[rows.clone()].iter().copied());
+        let between = |k: usize| 0.5 * (self.time[k - 1] + self.time[k]);
+        let from = if rows.start == 0 { self.time[0] } else { between(rows.start) };
+        let to = if rows.end == self.time.len() { self.time[rows.end - 1] } else { between(rows.end) };
+        Some(PassGuess {
+            log,
+            time: (rows.len() < self.time.len()).then_some([from, to]),
             force: median(force.iter().copied().filter(|force| *force > pressing).collect())?,
             feed: median(speeds.into_iter().filter(|speed| *speed > moving).collect()).unwrap_or(0.0),
-            spindle: si(Role::Spindle)
-                .and_then(|speeds| median(speeds.into_iter().filter(|speed| speed.is_finite()).collect())),
+            spindle: spindle.and_then(|speeds| median(speeds.filter(|speed| speed.is_finite()).collect())),
             direction: way.with_z(0.0).try_normalize().unwrap_or(DVec3::X),
             pressed,
         })

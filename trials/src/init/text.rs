@@ -191,10 +191,9 @@ impl Writer<'_> {
 
     fn passes(&mut self) -> String {
         let logs: Vec<&str> = self.found.logs().map(|(name, ..)| name).collect();
-        let after = &self.scans.after;
-        let unscanned = if after.is_empty() { 0 } else { logs.len().saturating_sub(after.len()) };
+        let (strokes, after) = (strokes(self.placing, logs.len()), &self.scans.after);
         let mut text = String::new();
-        if logs.len() < after.len() || after.is_empty() {
+        if after.is_empty() || (logs.len() < after.len() && strokes.len() != after.len()) {
             let _ = writeln!(
                 text,
                 "# {} logs and {} scans after passes: each pass needs a log, and the last one a scan",
@@ -203,28 +202,51 @@ impl Writer<'_> {
             );
             self.open.push(format!("{} logs for {} scans after passes", logs.len(), after.len()));
         }
-        let name = |names: &[&str], k: usize| names.get(k).map_or("\"\"   # FILL IN".to_owned(), |name| quoted(name));
-        for k in 0..logs.len().max(after.len()) {
-            let log = name(&logs, k);
-            let scan = match k.checked_sub(unscanned).map(|k| name(after, k)) {
-                Some(name) if unscanned > 0 => format!("scan = {name}   # guessed: made after the last passes"),
-                Some(name) => format!("scan = {name}"),
-                None => {
-                    "# scan = \"FILE\"   # none: the pass is simulated, and compared after the next scan".to_owned()
-                }
-            };
-            let _ = write!(text, "[[pass]]\nlog = {log}\n{scan}\n");
+        for k in 0..strokes.len().max(after.len()) {
+            let stroke = strokes.get(k);
+            let log = stroke.map_or("\"\"   # FILL IN".to_owned(), |(log, _)| quoted(logs[*log]));
+            let _ = writeln!(text, "[[pass]]\nlog = {log}");
+            let pass = stroke.and_then(|(_, pass)| *pass);
+            if let Some([from, to]) = pass.and_then(|pass| pass.time) {
+                let _ = writeln!(text, "time_s = [{from:?}, {to:?}]   # guessed: one of the strokes of the log");
+            }
+            let _ = writeln!(text, "{}", scan_of(k, &strokes, after));
             text.push_str("role = \"calibration\"   # or \"evaluation\": kept apart to judge the model\n");
-            if let Some(pass) = self.placing.passes.get(k) {
+            if let Some(pass) = pass {
                 text.push_str(&settings(pass));
             }
-            if self.placing.passes.get(k).is_none_or(|pass| pass.spindle.is_none()) {
+            if pass.is_none_or(|pass| pass.spindle.is_none()) {
                 self.open.push(format!("spindle_rpm of pass {}", k + 1));
                 text.push_str("spindle_rpm = 0.0   # FILL IN: the log has none\n");
             }
             text.push('\n');
         }
         text
+    }
+}
+
+/// The strokes of all logs, each with the number of its log; a log whose strokes are unknown counts as one.
+fn strokes(placing: &Placing, logs: usize) -> Vec<(usize, Option<&PassGuess>)> {
+    let of_log = |log: usize| {
+        let own: Vec<_> = placing.passes.iter().filter(|pass| pass.log == log).collect();
+        if own.is_empty() { vec![(log, None)] } else { own.into_iter().map(|pass| (log, Some(pass))).collect() }
+    };
+    (0..logs).flat_map(of_log).collect()
+}
+
+/// The line with the scan after a stroke.
+fn scan_of(k: usize, strokes: &[(usize, Option<&PassGuess>)], after: &[&str]) -> String {
+    let name = |k: usize| after.get(k).map_or("\"\"   # FILL IN".to_owned(), |name| quoted(name));
+    let none = || "# scan = \"FILE\"   # none: the pass is simulated, and compared after the next scan".to_owned();
+    let logs = strokes.last().map_or(0, |(log, _)| log + 1);
+    if after.is_empty() || strokes.len() <= after.len() {
+        return format!("scan = {}", name(k));
+    }
+    let is_last_of_log = strokes.get(k + 1).is_none_or(|next| next.0 != strokes[k].0);
+    match (strokes[k].0 + after.len()).checked_sub(logs).filter(|_| is_last_of_log) {
+        Some(scan) if logs > after.len() => format!("scan = {}   # guessed: made after the last passes", name(scan)),
+        Some(scan) => format!("scan = {}", name(scan)),
+        None => none(),
     }
 }
 

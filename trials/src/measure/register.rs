@@ -19,8 +19,8 @@ const ROUNDS: (usize, usize) = (10, 20);
 const TUNING: (f64, f64) = (1.345, 4.685);
 /// Spread below which the fit is exact [m].
 const EXACT: f64 = 1e-12;
-/// Minimum spread of heights for the weight of the prior on shifts and turn [m]: far above the rounding of heights in a file, 1
-/// nm.
+/// Minimum spread of heights for the weight of the prior on shifts and turn [m]: far above the rounding of heights in a
+/// file, 1 nm.
 const FINEST: f64 = 1e-7;
 /// Unknowns: offset, tilt along x and y, shift along x and y, turn.
 const UNKNOWNS: usize = 6;

@@ -48,6 +48,29 @@ pub struct Log {
     pub covariates: Vec<Covariate>,
 }
 
+impl Log {
+    /// The rows between two times [s], both included.
+    pub(super) fn between(&self, [from, to]: [f64; 2]) -> Self {
+        let first = self.rows.partition_point(|row| row.time < from);
+        let range = first..self.rows.partition_point(|row| row.time <= to).max(first);
+        let covariates = self.covariates.iter().map(|covariate| {
+            let values = covariate.values[range.clone()].to_vec();
+            let hole = covariate.hole.filter(|_| values.iter().any(|value| value.is_nan()));
+            Covariate { name: covariate.name.clone(), values, hole }
+        });
+        Self {
+            rows: self.rows[range.clone()].to_vec(),
+            has_approach: self.has_approach,
+            temperature: if self.temperature.is_empty() {
+                Vec::new()
+            } else {
+                self.temperature[range.clone()].to_vec()
+            },
+            covariates: covariates.collect(),
+        }
+    }
+}
+
 /// Index of each column in the file.
 struct Columns {
     count: usize,

@@ -31,7 +31,7 @@ const KEYS: [(&str, &[&str]); 8] = [
     ("robot", &["frame_sigma_mm", "yaw_sigma_mrad", "clock_sigma_s"]),
     ("controller", &["kind", "mass_kg", "damping_ns_m", "period_s"]),
     ("coating", &["thickness_mm"]),
-    ("pass", &["log", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
+    ("pass", &["log", "time_s", "scan", "role", "force_setpoint_n", "feed_mm_s", "spindle_rpm", "direction"]),
 ];
 
 /// Split of a pass.
@@ -216,6 +216,9 @@ pub(super) struct CoatingTable {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct PassTable {
     pub(super) log: Spanned<PathBuf>,
+    /// First and last time of the log's rows that belong to the pass; absent if all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) time_s: Option<Spanned<[f64; 2]>>,
     /// Scan after the pass; absent if there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) scan: Option<Spanned<PathBuf>>,

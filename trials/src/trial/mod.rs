@@ -20,6 +20,7 @@ mod read;
 mod read_scans;
 mod resample;
 mod scan;
+mod strokes;
 mod write;
 
 use std::path::PathBuf;
@@ -45,6 +46,7 @@ pub use plausible::least_gap;
 pub use poses::{ClockJump, Contact, ToolPath, ToolPose};
 pub(crate) use read_scans::PLANE;
 pub use scan::{ExposureMask, LabelMap, Read, ScanFrame, read_exposure, read_heights, read_labels};
+pub(crate) use strokes::strokes;
 pub use write::{exposure_csv, heights_csv, labels_csv, log_csv, write_trial};
 
 /// A tool as mounted on the robot.

@@ -12,7 +12,7 @@ pub(super) const NOISE_SIGMAS: f64 = 5.0;
 /// Range of the contact threshold, as shares of the setpoint.
 const CONTACT_SHARE: (f64, f64) = (0.05, 0.5);
 /// Number of consecutive rows above the threshold that make a contact.
-const CONTACT_ROWS: usize = 3;
+pub(super) const CONTACT_ROWS: usize = 3;
 /// Length of a gap between rows that counts as a jump of the clock [median periods].
 const JUMP_PERIODS: f64 = 5.0;
 
@@ -131,12 +131,17 @@ fn pose(row: &LogRow, tool: &HeldTool, start: f64) -> ToolPose {
 
 /// Interval from the first to the last run of rows whose force exceeds the noise.
 fn contact(poses: &[ToolPose], force_setpoint: f64) -> Option<Contact> {
-    let noise = force_noise(poses.iter().map(|pose| pose.force));
-    let threshold = (NOISE_SIGMAS * noise).clamp(CONTACT_SHARE.0 * force_setpoint, CONTACT_SHARE.1 * force_setpoint);
+    let threshold = contact_threshold(poses.iter().map(|pose| pose.force), force_setpoint);
     let touches = |run: &[ToolPose]| run.iter().all(|pose| pose.force > threshold);
     let first = poses.windows(CONTACT_ROWS).position(touches)?;
     let last = poses.windows(CONTACT_ROWS).rposition(touches)? + CONTACT_ROWS - 1;
     Some(Contact { start: poses[first].time, end: poses[last].time })
+}
+
+/// Force above which the tool is in contact [N].
+pub(super) fn contact_threshold(forces: impl Iterator<Item = f64> + Clone, force_setpoint: f64) -> f64 {
+    let [least, most] = [CONTACT_SHARE.0, CONTACT_SHARE.1].map(|share| share * force_setpoint);
+    (NOISE_SIGMAS * force_noise(forces)).clamp(least, most)
 }
 
 /// Robust standard deviation of the noise of consecutive forces [N].

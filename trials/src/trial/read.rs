@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::columns::{Found, Logs, TrialColumn};
 use super::error::{Place, TrialError};
-use super::log::{RPM, read_log};
+use super::log::{Log, RPM, read_log};
 use super::log_columns::LogColumns;
 use super::manifest::{
     ControllerKind, ControllerTable, Manifest, PassTable, RobotTable, Source, TRIAL_FILE, ToolKind, ToolTable,
@@ -47,6 +47,8 @@ impl Trial {
 
 /// Accepted range of a tool's radius and width [mm], as in the flags of `robofin simulate`.
 const TOOL_MM: [f64; 2] = [0.1, 1000.0];
+/// Minimum number of a log's rows in a pass: down, pressing and up again, each with a row before the next.
+const LEAST_ROWS: usize = 6;
 /// Accepted range of a coating's thickness [mm]: a tenth of a micrometre, and that of a layer of filler.
 const COATING_MM: [f64; 2] = [1e-4, 10.0];
 /// Accepted range of a controller's period [s]: a hundred times faster than robots, and once per second.
@@ -233,7 +235,7 @@ impl Reader<'_> {
         let scan = self.pass_scan(table, form)?;
         self.notes.extend(log.notes.iter().cloned().chain(scan.notes));
         self.note_missing(table);
-        let log = log.content;
+        let log = self.part_of_log(log.content, table)?;
         let motion = super::poses::Motion::of(&log);
         let feed = self.optional("feed_mm_s", &table.feed_mm_s)?.map_or(motion.feed, |feed| feed * 1e-3);
         let direction = table.direction.as_ref().map(|given| self.unit("direction", given)).transpose()?;
@@ -246,6 +248,22 @@ impl Reader<'_> {
             direction: direction.unwrap_or(motion.direction),
             log,
         })
+    }
+
+    /// The rows of a log that belong to a pass.
+    fn part_of_log(&self, log: Log, table: &PassTable) -> Result<Log, TrialError> {
+        let Some(time) = &table.time_s else { return Ok(log) };
+        let part = log.between(*time.get_ref());
+        if part.rows.len() >= LEAST_ROWS {
+            return Ok(part);
+        }
+        let [from, to] = time.get_ref();
+        let found =
+            format!("time_s = [{from:?}, {to:?}] holds {} rows of {}", part.rows.len(), table.log.get_ref().display());
+        let ends = log.rows.first().zip(log.rows.last()).map(|(first, last)| (first.time, last.time));
+        let (first, last) = ends.unwrap_or_default();
+        let accepted = format!("at least {LEAST_ROWS} of its times from {first:?} to {last:?} s are expected");
+        Err(self.source.bad(time.span(), found, accepted))
     }
 
     /// Setpoint of a pass [N]: the given value, or the logged force in contact.

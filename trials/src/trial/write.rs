@@ -225,6 +225,7 @@ fn pass_table(number_of_pass: usize, pass: &Pass) -> PassTable {
     let name = |rest: &str| -> Spanned<PathBuf> { plain(format!("pass{number_of_pass}_{rest}.csv").into()) };
     PassTable {
         log: name("log"),
+        time_s: None,
         scan: (!pass.scan.is_missing()).then(|| name(pass.scan.file_word())),
         role: pass.role,
         force_setpoint_n: Some(plain(pass.force_setpoint)),

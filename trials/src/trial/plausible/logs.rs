@@ -9,6 +9,7 @@ use super::super::error::{Place, TrialError};
 use super::super::log::Log;
 use super::super::manifest::TRIAL_FILE;
 use super::super::poses::ToolPose;
+use super::super::strokes::strokes;
 use super::super::{HeldTool, Pass, Trial};
 use super::profile::{Contact, contacts, touch_level};
 use super::{Names, Surfaces, touching};
@@ -43,8 +44,13 @@ pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result
         if poses.is_empty() {
             check_contact(trial, number, (surfaces, place))?;
         }
-        let found =
-            [constant(pass), force_level(pass, &poses), beside(&poses, &trial.scans.before), along(&trial.tool, pass)];
+        let found = [
+            constant(pass),
+            several_strokes(pass),
+            force_level(pass, &poses),
+            beside(&poses, &trial.scans.before),
+            along(&trial.tool, pass),
+        ];
         notes.extend(found.into_iter().flatten().map(|note| format!("{}: {note}", name.display())));
     }
     check_order(trial, surfaces, names)?;
@@ -132,6 +138,23 @@ fn check_contact(trial: &Trial, number: usize, (surfaces, place): (&Surfaces, Pl
             trial.passes[number].force_setpoint
         ),
     ))
+}
+
+/// Note on a pass in which the tool leaves the part and returns, while the simulation presses it on throughout.
+fn several_strokes(pass: &Pass) -> Option<String> {
+    let rows: Vec<(f64, f64)> = pass.log.rows.iter().map(|row| (row.time, row.force)).collect();
+    let strokes = strokes(&rows, pass.force_setpoint);
+    (strokes.len() > 1).then(|| {
+        let time = |at: usize| rows[at.min(rows.len() - 1)].0;
+        let parts: Vec<String> =
+            strokes.iter().map(|part| format!("[{:.3}, {:.3}]", time(part.start), time(part.end))).collect();
+        format!(
+            "the force falls to zero between {} strokes, and the pass is simulated as one: is a [[pass]] meant for each, \
+             with time_s = {}?",
+            strokes.len(),
+            parts.join(", ")
+        )
+    })
 }
 
 /// Note on a column of measured values that never changes.
