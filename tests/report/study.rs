@@ -72,6 +72,7 @@ fn compared_pass(name: String, role: Role, k: usize) -> ComparedPass {
         offset: 12.31 * UM,
         tilt: DVec2::new(1.21e-4, -0.43e-4),
         shift: DVec2::new(14.2 * UM, -6.7 * UM),
+        turn: 0.4e-3,
         centre: DVec2::ZERO,
         sigma: 2.24 * UM,
         pixels: 10_331 + k,

@@ -102,8 +102,8 @@ impl Found {
     pub(super) fn meshes(&self) -> impl Iterator<Item = &str> {
         let is_mesh = |entry: &&Entry| {
             let name = Path::new(&entry.name);
-            let has = |extension: &&str| name.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
-            matches!(entry.kind, Kind::Other(_)) && MESHES.iter().any(|extension| has(&extension))
+            let has = |extension: &str| name.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+            matches!(entry.kind, Kind::Other(_)) && MESHES.iter().any(|extension| has(extension))
         };
         self.entries.iter().filter(is_mesh).map(|entry| entry.name.as_str())
     }
