@@ -137,8 +137,22 @@ fn a_surface_before_is_given_once() {
     refused(missing.path(), &["trial.toml, line", "part.stl is not there"]);
     let mask = written(&sanding(), &[("before", "nominal = \"plane\""), ("repeat", "")]);
     refused(mask.path(), &["trial.toml, line", "nominal = \"plane\"", "a file is expected"]);
-    let unscanned = written(&grinding(), &[("scan", "")]);
-    refused(unscanned.path(), &["trial.toml", "no [[pass]] with a scan"]);
+    for replaced in [&[("scan", "")][..], &[("scan", ""), ("before", "nominal = \"plane\""), ("repeat", "")]] {
+        refused(written(&grinding(), replaced).path(), &["trial.toml", "no [[pass]] with a scan"]);
+    }
+}
+
+#[test]
+fn times_of_a_pass_that_a_log_does_not_have_are_refused() {
+    for time in ["[9.0, 1.0]", "[nan, 1.0]", "[0.0, inf]", "[100.0, 200.0]"] {
+        let place = written(&grinding(), &[("log", &format!("log = \"pass1_log.csv\"\ntime_s = {time}"))]);
+        refused(place.path(), &["trial.toml, line", "time_s = [", "rows of pass1_log.csv", "0.0 to 2.4 s"]);
+    }
+    let place = written(&grinding(), &[("log", "log = \"pass1_log.csv\"\ntime_s = [0.1, 2.3]")]);
+    let trial = Trial::read(place.path()).expect("a trial");
+    let rows = &trial.passes[0].log.rows;
+    assert!(rows.len() > 100 && rows[0].time >= 0.1 && rows.last().is_some_and(|row| row.time <= 2.3));
+    assert_eq!(trial.passes[0].log.covariates[0].values.len(), rows.len());
 }
 
 #[test]

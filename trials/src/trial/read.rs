@@ -8,7 +8,7 @@ use sdf_bake::PixelGrid;
 use toml::Spanned;
 
 use super::columns::{Found, Logs, TrialColumn};
-use super::error::{Place, TrialError};
+use super::error::TrialError;
 use super::log::{Log, RPM, read_log};
 use super::log_columns::LogColumns;
 use super::manifest::{
@@ -84,17 +84,14 @@ impl Reader<'_> {
     fn trial(&mut self, manifest: &Manifest) -> Result<Trial, TrialError> {
         let frame = self.frame(manifest)?;
         let tool = self.tool(&manifest.tool)?;
+        self.check_passes(manifest)?;
         let scans = self.scans(manifest, frame)?;
-        if manifest.pass.is_empty() {
-            return Err(Place::file(&self.source.file).bad("no [[pass]]", "at least one pass is expected"));
-        }
         self.check_size(manifest, &scans.before.pixels)?;
         let columns = manifest.log.as_ref().map(|table| LogColumns::new(self.source, table)).transpose()?;
         let form =
             PassForm { process: manifest.process, pixels: &scans.before.pixels, frame, columns: columns.as_ref() };
         let passes = manifest.pass.iter().map(|table| self.pass(table, &form));
         let passes = passes.collect::<Result<Vec<_>, _>>()?;
-        self.check_scanned(&passes)?;
         let columns = self.columns(manifest, &passes)?;
         let coating =
             manifest.coating.as_ref().map(|table| self.within("thickness_mm", &table.thickness_mm, COATING_MM));
@@ -254,10 +251,10 @@ impl Reader<'_> {
     fn part_of_log(&self, log: Log, table: &PassTable) -> Result<Log, TrialError> {
         let Some(time) = &table.time_s else { return Ok(log) };
         let part = log.between(*time.get_ref());
-        if part.rows.len() >= LEAST_ROWS {
+        let [from, to] = time.get_ref();
+        if part.rows.len() >= LEAST_ROWS && from.is_finite() && to.is_finite() {
             return Ok(part);
         }
-        let [from, to] = time.get_ref();
         let found =
             format!("time_s = [{from:?}, {to:?}] holds {} rows of {}", part.rows.len(), table.log.get_ref().display());
         let ends = log.rows.first().zip(log.rows.last()).map(|(first, last)| (first.time, last.time));

@@ -10,7 +10,7 @@ use super::error::{Place, TrialError};
 use super::manifest::{Manifest, PassTable, ScanTable, Source};
 use super::read::{PassForm, Reader};
 use super::scan::{Read, ScanFrame, read_exposure, read_heights, read_labels};
-use super::{Pass, PassScan, Scans, Trial};
+use super::{PassScan, Scans, Trial};
 use crate::measure::{
     CLEARANCE, DegreesOfFreedom, Registration, RegistrationError, despiked, register, untouched_in_passes,
 };
@@ -140,13 +140,16 @@ impl Reader<'_> {
         Ok(scan.map(|scan| scan.content.pixels))
     }
 
-    /// Refuses a trial without any scan after a pass.
-    pub(super) fn check_scanned(&self, passes: &[Pass]) -> Result<(), TrialError> {
-        if passes.iter().any(|pass| !pass.scan.is_missing()) {
-            return Ok(());
+    /// Refuses a trial without passes, or without any scan after a pass.
+    pub(super) fn check_passes(&self, manifest: &Manifest) -> Result<(), TrialError> {
+        let place = Place::file(&self.source.file);
+        if manifest.pass.is_empty() {
+            return Err(place.bad("no [[pass]]", "at least one pass is expected"));
         }
-        Err(Place::file(&self.source.file)
-            .bad("no [[pass]] with a scan", "scan = \"FILE\" is expected, of the last pass at least"))
+        if manifest.pass.iter().all(|table| table.scan.is_none()) {
+            return Err(place.bad("no [[pass]] with a scan", "scan = \"FILE\" is expected, of the last pass at least"));
+        }
+        Ok(())
     }
 
     /// Aligns a nominal surface with the scans.
