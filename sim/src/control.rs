@@ -94,16 +94,18 @@ impl<T> Found<T> {
 }
 
 impl Balance {
-    /// Travel at which the balance is foreseen [m]: that of a spring on a surface that moves as in the last step.
+    /// Travel at which the balance is foreseen [m]: that of a spring on a surface that moves as in the last step. Under
+    /// an ideal controller the tool goes on as before: it is balanced at the start, and the spring of a first touch, far
+    /// softer than the patch into which it grows, would take it through the part.
     pub fn foreseen(&self) -> f64 {
         let Self { from, start, damping, mass, dt, weight, .. } = *self;
-        if dt == 0.0 {
-            return from.travel;
+        if dt == 0.0 || damping + mass == 0.0 {
+            return from.travel + dt * from.speed;
         }
         let spring = weight * start.stiffness * dt;
         let resistance = damping + mass / dt + spring;
         let excess = start.force - self.setpoint + mass / dt * from.speed + spring * start.surface_speed;
-        from.travel + dt * if resistance > 0.0 { excess / resistance } else { from.speed }
+        from.travel + dt * excess / resistance
     }
 
     /// True if greater changes than those allowed are foreseen.

@@ -15,16 +15,20 @@ fn set_balance(dt: f32, damping: f32, mass: f32) {
     }
 }
 
-// Speed in the balance that is foreseen: that of a spring on a surface that moves as in the last step.
+// Speed in the balance that is foreseen: that of a spring on a surface that moves as in the last step; under an ideal
+// controller, that of the last step.
 fn foreseen_speed() -> f32 {
     let dt = state.dt;
     if dt == 0.0 {
         return 0.0;
     }
+    if state.damping + state.mass == 0.0 {
+        return state.speed;
+    }
     let spring = state.end_weight * state.end_stiffness * dt;
     let resistance = state.damping + state.mass / dt + spring;
     let excess = state.start_force - setup.force_setpoint + state.mass / dt * state.speed;
-    return select(state.speed, (excess + spring * state.surface_speed) / resistance, resistance > 0.0);
+    return (excess + spring * state.surface_speed) / resistance;
 }
 
 // Speed at the travel under evaluation; 0 for a static balance.

@@ -129,3 +129,13 @@ fn an_admittance_on_a_flat_spring_approaches_the_setpoint_as_the_closed_form_say
     let exact = setpoint * (1.0 - (-1500.0 * dt * spring / damping).exp());
     assert!((force / exact - 1.0).abs() < 1e-3, "{force} {exact}");
 }
+
+#[test]
+fn an_ideal_controller_is_not_foreseen_to_go_through_a_soft_first_touch() {
+    // A wheel of 5 mm at its first touch: 0.4 mN and 186 N/m for a setpoint of 15 N; the spring would give way by 80 mm.
+    let start = StartContact { force: 4e-4, stiffness: 186.0, surface_speed: 0.0 };
+    let touch = Balance { start, from: Motion { travel: -1e-4, speed: -2e-3 }, ..IDEAL };
+    assert_eq!(touch.foreseen(), -1e-4 - 0.01 * 2e-3);
+    let damped = Balance { damping: 1500.0, ..touch };
+    assert!((damped.foreseen() + 1e-4 + 0.01 * 15.0 / 1500.0).abs() < 1e-6, "{}", damped.foreseen());
+}
