@@ -8,10 +8,11 @@ use serde_json::Value;
 use walkdir::WalkDir;
 
 /// Folder of each crate, with the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 24] = [
+const MAY_USE: [(&str, &[&str]); 25] = [
     ("shaders", &[]),
     ("random", &[]),
     ("files", &[]),
+    ("criteria", &[]),
     ("effects", &["files"]),
     ("sdf-bake", &["files"]),
     ("robot", &["sdf-bake"]),
@@ -25,7 +26,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("perception", &["effects", "export", "paths", "random", "render", "robot", "sdf-bake", "sim"]),
     ("environments", &["effects", "random", "render", "robot", "sdf-bake", "sim"]),
     ("trial-simulation", &["effects", "robot", "sdf-bake", "shaders", "sim", "trials"]),
-    ("lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
+    ("lab", &["criteria", "effects", "files", "random", "robot", "sdf-bake", "sim", "trial-simulation", "trials"]),
     ("experiments", &["effects", "lab", "robot", "sdf-bake", "trial-simulation", "trials"]),
     ("study", &["effects", "experiments", "files", "lab", "random", "robot", "sdf-bake", "sim", "trials"]),
     ("virtual-lab", &["effects", "files", "random", "robot", "sdf-bake", "sim", "trials"]),

@@ -72,7 +72,6 @@ pub fn describing(front: FrontEnd) -> &'static [&'static str] {
     match front {
         FrontEnd::Frame => &["clock-offset", "path-offset", "scan-shift"],
         FrontEnd::Clock => &["clock-offset"],
-        FrontEnd::Clamped => &["scan-shift"],
         FrontEnd::Ripple => &["chatter"],
         FrontEnd::Shop => &["chatter", "clock-offset", "path-offset", "scan-shift"],
         _ => &[],

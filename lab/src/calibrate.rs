@@ -5,13 +5,14 @@ use rayon::prelude::*;
 
 use super::begin::{other_starts, with_matched_rate};
 use super::calibration::{Calibration, Order, uncalibrated};
+use super::coordinates::moved;
 use super::error::Result;
-use super::evidence::EvidenceError;
+use super::evidence::{Evidence, EvidenceError};
 use super::fit::{Fit, FitOptions};
 use super::scans::ScanEvidence;
 use super::space_mapping::Surrogate;
 use super::totals::Totals;
-use crate::criteria::{RESTARTS_FITTED, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
+use crate::criteria::{MINIMUM_APART, RESTARTS_FITTED, ROUGH_FIT_DERIVATIVES, ROUGH_FIT_STEPS};
 
 /// Cost of a rough fit that only provides starting values for the next.
 const ROUGH: FitOptions = FitOptions { derivatives: ROUGH_FIT_DERIVATIVES, steps: ROUGH_FIT_STEPS };
@@ -45,6 +46,21 @@ pub(super) fn fit_law(evidence: &dyn Totals, model: &CompiledModel) -> std::resu
     let Some(best) = best else { return Ok(first) };
     let best = if surrogate.is_some() { fitted(&best.model)? } else { best };
     Ok(Fit { begun: first.begun.clone(), ..better(first, best) })
+}
+
+impl Fit {
+    /// Another local minimum: that near the starting values; `None` if the fit lies in it. A model that lacks something
+    /// may have its least χ² where it hides best what it lacks.
+    pub(super) fn other_minimum(&self, evidence: &dyn Evidence) -> Option<Self> {
+        let start = moved(&self.model, &self.coordinates, &self.begun);
+        let fit = Self::unfitted(evidence, &start, self.coordinates.clone()).ok()?;
+        let there = match evidence.quicker() {
+            Some(quicker) => fit.mapped(evidence, &*quicker, ROUGH),
+            None => fit.finished(evidence, ROUGH),
+        };
+        let is_far = there.at.iter().zip(&self.at).any(|(there, here)| (there - here).abs() > MINIMUM_APART);
+        is_far.then_some(there)
+    }
 }
 
 /// Takes a few steps of a fit, for quantities that are needed near the best values before these can be found.

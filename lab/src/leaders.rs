@@ -42,21 +42,21 @@ pub(super) fn with_leaders_completed<C: Contender>(
     }
 }
 
-/// Indices of the models with odds of more than one to nine against the best whose fits have not ended.
+/// Indices of the models with odds of more than one to nine against the best whose fits have not ended. An effect that
+/// explains nothing is no measure of the others.
 fn unfinished_leaders<C: Contender>(evidence: &dyn Evidence, base: &Fit, contenders: &[C], seed: u64) -> Vec<usize> {
     if contenders.iter().all(|contender| contender.suspect().is_completed) {
         return Vec::new();
     }
-    let fits = || contenders.iter().map(|contender| &contender.suspect().fit);
+    let explaining: Vec<usize> = (0..contenders.len()).filter(|&k| contenders[k].suspect().explains()).collect();
+    let fits = || explaining.iter().map(|&k| &contenders[k].suspect().fit);
     let best = fits().min_by(|a, b| a.chi2.total_cmp(&b.chi2)).unwrap_or(base);
     let folds = CrossValidation::new(evidence, best);
     let fits: Vec<&Fit> = std::iter::once(base).chain(fits()).collect();
     let densities: Vec<Vec<f64>> = fits.into_par_iter().map(|fit| folds.prediction(fit).densities).collect();
-    let priors = contenders.iter().map(|contender| contender.suspect().prior());
+    let priors = explaining.iter().map(|&k| contenders[k].suspect().prior());
     let weights = probabilities(&densities, &std::iter::once(1.0).chain(priors).collect::<Vec<_>>(), seed);
     let most = weights[1..].iter().copied().fold(0.0, f64::max);
-    (0..contenders.len())
-        .filter(|&k| is_near(weights[1 + k], most))
-        .filter(|&k| !contenders[k].suspect().is_completed)
-        .collect()
+    let near = explaining.into_iter().zip(&weights[1..]).filter(|(_, weight)| is_near(**weight, most));
+    near.map(|(k, _)| k).filter(|&k| !contenders[k].suspect().is_completed).collect()
 }

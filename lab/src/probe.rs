@@ -1,6 +1,6 @@
 //! Probes: values of an effect's parameters for the first look.
 
-use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, Scale};
+use effects::{CompiledModel, Effect, Library, Model, ModelError, ParameterSlot, Rows, Scale};
 
 use super::coordinates::Coordinate;
 use super::evidence::Evidence;
@@ -69,6 +69,11 @@ impl Candidate {
         let pairs = shapes.iter().flat_map(|shape| amplitudes.iter().map(move |amplitude| (shape, amplitude)));
         let probes = pairs.map(group).collect();
         Ok(Self { name: effect.name.clone(), family: evidence.family(&effect.name), model, coordinates, probes })
+    }
+
+    /// Returns false for an effect with a value for each pass: it describes the data and explains nothing.
+    pub(super) fn explains(&self) -> bool {
+        self.coordinates.iter().all(|coordinate| coordinate.slot.per != Rows::Pass)
     }
 
     /// For each amplitude the middle probe, with the typical shape of the library.

@@ -30,11 +30,10 @@ impl Reserve {
         }
         let own = |estimate: &Estimate| estimate.coordinate.slot.owner == suspect.name();
         let estimates: Vec<Estimate> = suspect.fit.estimates(spread).into_iter().filter(own).collect();
-        let has_one_per = |rows: Rows| estimates.iter().any(|estimate| estimate.coordinate.slot.per == rows);
-        if has_one_per(Rows::Pass) {
+        if !suspect.explains() {
             return Some(Self::ValuePerPass);
         }
-        if has_one_per(Rows::Scan) {
+        if estimates.iter().any(|estimate| estimate.coordinate.slot.per == Rows::Scan) {
             return Some(Self::ValuePerScan);
         }
         let sizes = || estimates.iter().filter(|estimate| estimate.coordinate.slot.null.is_some());

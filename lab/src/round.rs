@@ -1,23 +1,22 @@
 //! One search: every effect of the library is tried beside a fitted model, and the best are fitted and weighed.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use effects::{Library, Model, candidates};
+use effects::{Library, Model};
 use rayon::prelude::*;
 
 use super::cross_validation::{CrossValidation, Prediction};
-use super::diagnose::{OnProgress, spread, with_values};
+use super::diagnose::{OnProgress, spread};
 use super::evidence::{Agreement, Evidence, EvidenceError, Split};
 use super::finding::{Against, Finding};
 use super::fit::Fit;
 use super::leaders::with_leaders_completed;
 use super::model_weights::{admitted, is_near, probabilities};
+use super::neighbourhood::Neighbourhood;
 use super::probe::Candidate;
 use super::reserve::Reserve;
-use super::response::{Baseline, Projector};
+use super::response::Projector;
 use super::screen::Screened;
 use super::significance::null_delta_chi2;
-use super::space_mapping::{Lattices, Surrogate};
+use super::space_mapping::Lattices;
 use super::suspect::{in_order, suspects};
 use super::verdict::{Searched, Standing, least_size};
 use crate::criteria::{NAMED_PROBABILITY, NONE_MOST, RESERVED_PROBABILITY};
@@ -75,30 +74,19 @@ impl Round {
         library: &Library,
         (seed, progress): (u64, OnProgress),
     ) -> Result<Self, EvidenceError> {
-        let projector = Projector::new(&base);
         let quicker = evidence.quicker();
-        let surrogate = quicker.as_deref().and_then(|quicker| Surrogate::around(evidence, quicker, &base));
-        let lattices = Lattices { usual: evidence, quicker: surrogate.as_ref().map(|surrogate| surrogate as _) };
-        let baseline = Baseline { evidence: lattices.quick(), base: &base, projector: &projector };
-        let model = with_values(model, &base);
-        let tried = candidates(&model, library).into_iter().filter(|effect| evidence.is_blind_to(effect).is_none());
-        let known: Vec<String> = model.effects.iter().map(|part| evidence.family(&part.name)).collect();
-        let tried = tried.filter(|effect| !known.contains(&evidence.family(&effect.name)));
-        let tried: Vec<Candidate> =
-            tried.filter_map(|effect| Candidate::new(evidence, &model, effect, library).ok()).collect();
-        let (count, done) = (tried.len(), AtomicUsize::new(0));
-        let screen = |candidate: Candidate| {
-            let name = candidate.name.clone();
-            let screened = Screened::new(&baseline, candidate);
-            progress(&name, 1 + done.fetch_add(1, Ordering::Relaxed), count);
-            screened
-        };
-        let screened: Vec<Screened> = tried.into_par_iter().map(screen).collect();
-        let fitted = suspects(lattices, &base, &screened, &|name| progress(name, count, count));
+        let near = |place: Fit| Neighbourhood::new((evidence, quicker.as_deref()), (model, place), library, progress);
+        let other = base.is_poor().then(|| base.other_minimum(evidence)).flatten().map(near);
+        let near = other.into_iter().fold(near(base.clone()), Neighbourhood::or);
+        let Neighbourhood { place, screened, .. } = &near;
+        let lattices = Lattices { usual: evidence, quicker: near.surrogate.as_ref().map(|surrogate| surrogate as _) };
+        let (projector, count) = (Projector::new(place), screened.len());
+        let mut fitted = suspects(lattices, place, screened, &|name| progress(name, count, count));
+        fitted.retain(|suspect| suspect.fit.chi2 < base.chi2);
         let fitted = in_order(with_leaders_completed(lattices, &base, fitted, seed));
         let best = fitted.first().map_or(&base, |best| &best.fit);
         let spread = spread(&best.residuals);
-        let draws = null_delta_chi2(&projector, &screened, &best.residuals, &evidence.blocks(Split::Calibration), seed);
+        let draws = null_delta_chi2(&projector, screened, &best.residuals, &evidence.blocks(Split::Calibration), seed);
         let calibration = evidence.agreement(&base.model, Split::Calibration)?;
         let folds = CrossValidation::new(evidence, best);
         let against = Against { base: &base, calibration: &calibration, draws: &draws, folds: &folds, spread };
@@ -106,6 +94,7 @@ impl Round {
         let mut findings = fitted.into_par_iter().map(finding).collect::<Result<Vec<_>, _>>()?;
         share_odds(&mut findings);
         let (prediction, seed) = (folds.prediction(&base), seed);
+        let screened = near.screened.into_iter().map(|look| look.seen_from(&base, &near.place)).collect();
         Ok(Self { screened, ..Self::weighed(evidence, (base, calibration, prediction), (findings, spread), seed) })
     }
 

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
+use super::fit::Fit;
 use super::probe::{Candidate, Probe, probe_change};
 use super::response::{Baseline, Projector, Response};
 use crate::criteria::{
@@ -116,6 +117,13 @@ impl Screened {
         {
             (self.best, self.shift, self.delta_chi2) = (values, shift, delta_chi2);
         }
+    }
+
+    /// The same expectations, seen from another fit of the same model.
+    pub(super) fn seen_from(self, fit: &Fit, place: &Fit) -> Self {
+        let apart = place.at.iter().zip(&fit.at).map(|(place, from)| place - from);
+        let shift = apart.enumerate().map(|(k, apart)| apart + self.shift.get(k).unwrap_or(&0.0)).collect();
+        Self { delta_chi2: (self.delta_chi2 + fit.chi2 - place.chi2).max(0.0), shift, ..self }
     }
 
     /// The same responses projected for another fit.

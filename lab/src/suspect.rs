@@ -83,6 +83,11 @@ impl Suspect {
         if self.fit.converged { found } else { found.max(self.screened.delta_chi2) }
     }
 
+    /// As [`Candidate::explains`](super::probe::Candidate::explains).
+    pub(super) fn explains(&self) -> bool {
+        self.screened.candidate.explains()
+    }
+
     /// Returns true if a size of the effect ended at the far end of its range.
     pub fn is_on_bound(&self) -> bool {
         self.screened.candidate.coordinates.iter().any(|c| is_at_far_end(c, self.fit.model.value(c.index)))
@@ -171,7 +176,8 @@ pub(super) fn is_at_far_end(coordinate: &Coordinate, value: f64) -> bool {
     coordinate.slot.null.is_some_and(|null| (at(least) && null > least) || (at(greatest) && null < greatest))
 }
 
-/// Fits the most promising effects, the best of them until convergence. Best first.
+/// Fits the most promising effects, the best of them until convergence: those of the first [`EFFECTS_REFINED`] families,
+/// and, as long as none of them explains the data, of as many more. Best first.
 ///
 /// - `lattices`: the data, and their surrogate near the base fit
 pub(super) fn suspects(
@@ -182,25 +188,40 @@ pub(super) fn suspects(
 ) -> Vec<Suspect> {
     let delta_chi2 = |suspect: &Suspect| base.chi2 - suspect.fit.chi2;
     let mut suspects = quickly(lattices, base, screened, on_progress);
-    let worth = suspects.first().map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
+    let worth = suspects.iter().find(|best| best.explains()).map_or(0.0, |best| REFINED_GAIN_SHARE * delta_chi2(best));
     suspects.sort_by(|a, b| b.promise(base).total_cmp(&a.promise(base)));
+    let (mut open, rest): (Vec<_>, Vec<_>) = suspects.into_iter().partition(|suspect| suspect.promise(base) >= worth);
+    let mut ended: Vec<Suspect> = Vec::new();
+    while !open.is_empty() && is_unexplained(&ended) {
+        let later = open.split_off(first_families(&open, EFFECTS_REFINED));
+        let thorough = |suspect: Suspect| {
+            let suspect = suspect.mapped(lattices, REFINED_FIT);
+            on_progress(suspect.name());
+            suspect
+        };
+        ended.par_extend(open.into_par_iter().map(thorough));
+        end_what_may_win(lattices, base, &mut ended);
+        open = later;
+    }
+    if is_unexplained(&ended) {
+        ended = restarted(lattices.usual, base, in_order(ended));
+    }
+    ended.extend(open.into_iter().chain(rest));
+    ended.retain(|suspect| delta_chi2(suspect) > 0.0);
+    in_order(ended)
+}
+
+/// True if all fits are poor. An effect that explains nothing does not count.
+fn is_unexplained(suspects: &[Suspect]) -> bool {
+    suspects.iter().filter(|suspect| suspect.explains()).all(|suspect| suspect.fit.is_poor())
+}
+
+/// Number of suspects up to the last of the first `most` families. An effect that explains nothing takes no place.
+fn first_families(suspects: &[Suspect], most: usize) -> usize {
     let mut families = Vec::new();
-    let mut is_among_first = |family: &str| is_among(&mut families, family, EFFECTS_REFINED);
-    let promising = suspects
-        .iter()
-        .take_while(|suspect| suspect.promise(base) >= worth && is_among_first(&suspect.screened.candidate.family))
-        .count();
-    let rest = suspects.split_off(promising);
-    let thorough = |suspect: Suspect| {
-        let suspect = suspect.mapped(lattices, REFINED_FIT);
-        on_progress(suspect.name());
-        suspect
-    };
-    let suspects: Vec<Suspect> = suspects.into_par_iter().map(thorough).collect();
-    let mut suspects = to_the_end(lattices, base, suspects);
-    suspects.extend(rest);
-    suspects.retain(|suspect| delta_chi2(suspect) > 0.0);
-    in_order(suspects)
+    let mut is_first =
+        |suspect: &Suspect| !suspect.explains() || is_among(&mut families, &suspect.screened.candidate.family, most);
+    suspects.iter().take_while(|suspect| is_first(suspect)).count()
 }
 
 /// Fits the most promising effects quickly, and evaluates them on the usual lattice. Best first.
@@ -219,26 +240,29 @@ fn quickly(lattices: Lattices, base: &Fit, screened: &[Screened], on_progress: &
     in_order(order.par_iter().filter_map(fitted).collect())
 }
 
-/// Continues the fits that may still be the best: those that did not converge on the data, and take a good part of what
-/// the best takes. If all are poor, they are also restarted at the starting values of the base fit.
-fn to_the_end(lattices: Lattices, base: &Fit, mut suspects: Vec<Suspect>) -> Vec<Suspect> {
-    let Some(best) = suspects.iter().map(|suspect| &suspect.fit).min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else {
-        return suspects;
-    };
-    let gain = base.chi2 - best.chi2;
+/// Continues on the data the fits that may still be the best: those that take a good part of what the best takes.
+fn end_what_may_win(lattices: Lattices, base: &Fit, suspects: &mut [Suspect]) {
+    let explaining = suspects.iter().filter(|suspect| suspect.explains());
+    let gain = base.chi2 - explaining.map(|suspect| suspect.fit.chi2).fold(base.chi2, f64::min);
     // On a surrogate a fit may seem to have converged far from where it would end on the data.
     let may_win = |suspect: &Suspect| {
         let own = base.chi2 - suspect.fit.chi2;
-        let is_underway = !suspect.fit.converged || lattices.quicker.is_some();
+        let is_underway = !suspect.is_completed && (!suspect.fit.converged || lattices.quicker.is_some());
         own >= LAST_FIT_DELTA_CHI2 && is_underway && own >= REFINED_GAIN_SHARE * gain
     };
     suspects.par_iter_mut().filter(|suspect| may_win(suspect)).for_each(|suspect| {
         *suspect = suspect.clone().ended(lattices.usual);
     });
-    if suspects.iter().all(|suspect| suspect.fit.is_poor()) {
-        suspects = suspects.into_par_iter().map(|suspect| suspect.or_from_beginning(lattices.usual, base)).collect();
-    }
-    suspects
+}
+
+/// Restarts the best fits at the starting values of the base fit.
+fn restarted(evidence: &dyn Evidence, base: &Fit, suspects: Vec<Suspect>) -> Vec<Suspect> {
+    let best = first_families(&suspects, EFFECTS_REFINED);
+    let again = |(k, suspect): (usize, Suspect)| match k < best && suspect.explains() {
+        true => suspect.or_from_beginning(evidence, base),
+        false => suspect,
+    };
+    suspects.into_par_iter().enumerate().map(again).collect()
 }
 
 /// Returns true if a family is among the first `most` families; adds a new one while there are fewer.

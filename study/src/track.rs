@@ -7,7 +7,8 @@ use lab::Simulated;
 use lab::criteria::PLATEAU_REMOVAL_SIGMAS;
 use lab::{HeightView, ScanEvidence, ScanView, Split};
 use trials::measure::{
-    CLEARANCE, DegreesOfFreedom, Plateau, Registration, SectionAxis, despiked, plateau_pixels, register, untouched,
+    CLEARANCE, DegreesOfFreedom, Plateau, Registration, SectionAxis, despiked, plateau_pixels, register,
+    untouched_in_passes,
 };
 use trials::trial::Pass;
 
@@ -187,11 +188,7 @@ pub fn alignment(evidence: &ScanEvidence, view: &ScanView) -> Option<(Registrati
     let trial = evidence.simulation.trials()[view.trial].trial;
     let data = view.data.as_heights()?;
     let (before, _) = despiked(&trial.scans.before);
-    let mut free = vec![true; before.heights.len()];
-    for pass in &trial.passes[..=view.pass] {
-        let alone = untouched(&trial.scans.before, &pass.tool_path(&trial.tool), &trial.tool, CLEARANCE);
-        free.iter_mut().zip(alone).for_each(|(free, alone)| *free &= alone);
-    }
+    let free = untouched_in_passes(&trial.scans.before, &trial.passes[..=view.pass], &trial.tool, CLEARANCE);
     let found = register(&data.measured, &before, DegreesOfFreedom::All, |at| free[at]).ok()?;
     let levelled = found.levelled(&data.measured);
     Some((found, levelled))

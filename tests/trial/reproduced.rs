@@ -94,3 +94,18 @@ fn a_sheet_that_loads_comes_out() {
         assert!((share - expected).abs() < 0.01);
     }
 }
+
+#[test]
+fn a_small_wheel_on_the_scan_of_a_rough_surface_comes_out() {
+    // It comes down on single bumps, whose contact is far softer than the patch into which it grows.
+    let model = GRINDING.replace("1.4 mm", "0.02 mm").replace("0.25 MPa", "0.1 MPa")
+        + "[range]\n\"preston-threshold.grind_rate\" = [\"0.005 mm/(MPa s)\", \"2 mm/(MPa s)\"]\n";
+    let Some((trials, passes, _)) = simulated("open-e", usize::MAX, &model) else { return };
+    for (trial, passes) in trials.iter().zip(&passes) {
+        let residuals = residuals(trial, passes);
+        let volumes: Vec<f64> = passes.iter().map(|pass| pass.record.removed_volume * 1e9).collect();
+        println!("open-e {}: {volumes:.4?} mm³, {residuals:.3?} of two scans' noise", trial.name);
+        assert!(volumes.iter().all(|volume| *volume > 0.1), "{volumes:?}");
+        assert!(residuals.iter().all(|residual| *residual < 1.3), "{residuals:?}");
+    }
+}

@@ -12,8 +12,8 @@ use crate::trial::{TRIAL_FILE, TrialError};
 
 /// Pixel values of a mask: coated and exposed.
 const MASK_VALUES: [f64; 2] = [0.0, 1.0];
-/// Extensions of meshes.
-const MESHES: [&str; 3] = ["stl", "ply", "obj"];
+/// Name of the format of meshes.
+const MESH: &str = "mesh";
 /// Maximum number of files that are read.
 const MOST_FILES: usize = 500;
 
@@ -100,10 +100,11 @@ impl Found {
 
     /// Names of files that are no scans, but may be surfaces as drawn: meshes without the pixels of a scan.
     pub(super) fn meshes(&self) -> impl Iterator<Item = &str> {
-        let is_mesh = |entry: &&Entry| {
+        let extensions = surface::extensions().find(|(format, _)| *format == MESH).map_or(&[][..], |(_, own)| own);
+        let is_mesh = move |entry: &&Entry| {
             let name = Path::new(&entry.name);
-            let has = |extension: &str| name.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
-            matches!(entry.kind, Kind::Other(_)) && MESHES.iter().any(|extension| has(extension))
+            let has = |extension: &&str| name.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
+            matches!(entry.kind, Kind::Other(_)) && extensions.iter().any(|extension| has(extension))
         };
         self.entries.iter().filter(is_mesh).map(|entry| entry.name.as_str())
     }

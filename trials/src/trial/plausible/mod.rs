@@ -79,8 +79,6 @@ fn scan_name(table: &PassTable) -> &Path {
 /// A trial's scans without spikes, and its paths.
 struct Surfaces {
     before: HeightMap,
-    /// True if no scan shows that surface: it is the one of the drawing.
-    is_nominal: bool,
     repeats: Vec<HeightMap>,
     /// Surface after each pass; `None` for sanding, and for a pass that was not scanned.
     after: Vec<Option<HeightMap>>,
@@ -98,7 +96,6 @@ impl Surfaces {
         let paths: Vec<ToolPath> = trial.passes.iter().map(|pass| pass.tool_path(&trial.tool)).collect();
         Self {
             before: clean(before),
-            is_nominal: trial.scans.is_nominal,
             repeats: trial.scans.repeats.iter().map(clean).collect(),
             after: after.into_par_iter().map(|map| map.map(clean)).collect(),
             free: paths.iter().map(|path| untouched(before, path, &trial.tool, CLEARANCE)).collect(),

@@ -60,8 +60,8 @@ struct ListedScan<'a> {
 
 impl<'a> ListedScan<'a> {
     /// The scan before, the repeats, and those after passes.
-    fn all(surfaces: &'a Surfaces, names: &Names<'a>) -> Vec<Self> {
-        let first = (!surfaces.is_nominal).then_some((names.before, &surfaces.before));
+    fn all(trial: &Trial, surfaces: &'a Surfaces, names: &Names<'a>) -> Vec<Self> {
+        let first = (!trial.scans.is_nominal).then_some((names.before, &surfaces.before));
         let unworked = first.into_iter().chain(names.repeats.iter().copied().zip(&surfaces.repeats));
         let after = names.scans.iter().copied().zip(&surfaces.after).enumerate();
         let after = after.filter_map(|(pass, (name, map))| Some(Self { name, map: map.as_ref()?, pass: Some(pass) }));
@@ -71,7 +71,7 @@ impl<'a> ListedScan<'a> {
 
 /// Refuses scans that share their noise, and scans that show another surface than the others; returns notes.
 pub(super) fn check(trial: &Trial, surfaces: &Surfaces, names: &Names) -> Result<Option<String>, TrialError> {
-    let scans = ListedScan::all(surfaces, names);
+    let scans = ListedScan::all(trial, surfaces, names);
     let pairs = all(&scans, surfaces);
     let place = |at: usize| Place::file(&trial.folder.join(scans[at].name));
     let name = |at: usize| scans[at].name.display();

@@ -2,7 +2,7 @@
 //!
 //! A number stands here if another value of it could change what is found, named or said. Not here: constants of
 //! nature, nominal values that a table leaves open, and dampings and lengths of iterations that end at the same place.
-//! The modules use these constants and keep no copies. [`CRITERIA`] lists them; every result holds their values
+//! The laboratory uses these constants and keeps no copies. [`CRITERIA`] lists them; every result holds their values
 //! ([`CriterionValues`]), and `docs/diagnosis.md` shows the list.
 
 #[macro_use]
@@ -149,6 +149,8 @@ criteria! {
     START_RATE_TOLERANCE: f64 = 0.01, "1", "chosen: a step of the fit that follows";
     /// Largest coordinate change from a fit's result to its restarts along the least determined direction.
     RESTART_DISTANCE: f64 = 0.4, "coordinates", "chosen";
+    /// Least change of a coordinate from one minimum of a poor fit to another beside which effects are looked at, too.
+    MINIMUM_APART: f64 = 0.4, "coordinates", "chosen: the way of a restart";
     /// Norm of the difference of the whitened data between simulations without a significant difference.
     NUMERICAL_NOISE: f64 = 2.0, "σ", "measured: docs/diagnosis.md, step 4";
     /// Target norm of the change of the whitened data over a finite-difference step.

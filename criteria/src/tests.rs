@@ -71,6 +71,7 @@ const AGREED: &[(&str, f64)] = &[
     ("START_RATIO", 10.0),
     ("START_RATE_TOLERANCE", 0.01),
     ("RESTART_DISTANCE", 0.4),
+    ("MINIMUM_APART", 0.4),
     ("NUMERICAL_NOISE", 2.0),
     ("DERIVATIVE_CHANGE_AIM", 12.0),
     ("DERIVATIVE_CHANGE_LEAST", 8.0),

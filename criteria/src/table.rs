@@ -11,7 +11,7 @@ macro_rules! criteria {
         )+
 
         /// These criteria, in order of declaration.
-        pub(super) const $list: &[Criterion] = &[$(Criterion {
+        pub(crate) const $list: &[Criterion] = &[$(Criterion {
             name: stringify!($name),
             value: $name as f64,
             unit: $unit,
