@@ -153,3 +153,16 @@ fn a_surrogate_follows_the_usual_lattice_although_its_own_is_uneven() {
         assert!(linear < 0.6 * constant, "{linear} σ off, {constant} σ without the slope, at {:?}", place.at);
     }
 }
+
+#[test]
+fn a_fit_has_another_minimum_only_if_it_lies_away_from_that_near_its_start() {
+    let valley = Valley::new(0.0);
+    let start = model([1.4, 0.2, 30.0]);
+    let near = Fit::new(&valley, &start, valley.coordinates(&start), FitOptions::default()).unwrap();
+    assert!(near.other_minimum(&valley).is_none());
+    // As if a restart had ended at a far stiffer contact.
+    let stiff = Fit::unfitted(&valley, &model([1.5, 0.2, 1300.0]), valley.coordinates(&start)).unwrap();
+    let other = Fit { begun: near.begun.clone(), ..stiff }.other_minimum(&valley).expect("that near the start");
+    let apart = other.here().distance(&near.here());
+    assert!(apart < 5.0 && !other.is_poor(), "{apart} σ apart, χ² {}", other.chi2);
+}
