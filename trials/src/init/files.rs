@@ -104,7 +104,7 @@ impl Found {
         let is_mesh = move |entry: &&Entry| {
             let name = Path::new(&entry.name);
             let has = |extension: &&str| name.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
-            matches!(entry.kind, Kind::Other(_)) && extensions.iter().any(|extension| has(extension))
+            matches!(entry.kind, Kind::Other(_)) && extensions.iter().any(has)
         };
         self.entries.iter().filter(is_mesh).map(|entry| entry.name.as_str())
     }
