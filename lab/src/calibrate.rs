@@ -54,12 +54,17 @@ impl Fit {
     pub(super) fn other_minimum(&self, evidence: &dyn Evidence) -> Option<Self> {
         let start = moved(&self.model, &self.coordinates, &self.begun);
         let fit = Self::unfitted(evidence, &start, self.coordinates.clone()).ok()?;
-        let there = match evidence.quicker() {
-            Some(quicker) => fit.mapped(evidence, &*quicker, ROUGH),
-            None => fit.finished(evidence, ROUGH),
-        };
+        let there = fit.roughly_refined(evidence);
         let is_far = there.at.iter().zip(&self.at).any(|(there, here)| (there - here).abs() > MINIMUM_APART);
         is_far.then_some(there)
+    }
+
+    /// Takes a few steps, on the faster lattice if there is one.
+    fn roughly_refined(self, evidence: &dyn Evidence) -> Self {
+        match evidence.quicker() {
+            Some(quicker) => self.mapped(evidence, &*quicker, ROUGH),
+            None => self.finished(evidence, ROUGH),
+        }
     }
 }
 
@@ -69,11 +74,7 @@ impl Fit {
 /// If the model cannot be simulated.
 pub fn fit_roughly(evidence: &dyn Totals, model: &CompiledModel) -> std::result::Result<Fit, EvidenceError> {
     let model = with_matched_rate(evidence, model)?;
-    let fit = Fit::unfitted(evidence, &model, evidence.coordinates(&model))?;
-    Ok(match evidence.quicker() {
-        Some(quicker) => fit.mapped(evidence, &*quicker, ROUGH),
-        None => fit.finished(evidence, ROUGH),
-    })
+    Ok(Fit::unfitted(evidence, &model, evidence.coordinates(&model))?.roughly_refined(evidence))
 }
 
 /// Calibrates a model and the smaller models on the way to it.
